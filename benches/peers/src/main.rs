@@ -1,0 +1,3 @@
+//! Peers measured beside multires.
+
+fn main() {}

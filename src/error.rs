@@ -1,0 +1,61 @@
+//! What can be wrong with what a caller hands in: one enum by blame, each variant naming the element.
+//!
+//! Stopping early is not an error but a result (see [`StopReason`](crate::simplify::StopReason)).
+
+/// Why a [`Mesh`](crate::mesh::Mesh) could not be made from the arrays it was given.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A position holds NaN or an infinity.
+    #[error("vertex {vertex} has a non-finite position {position:?}")]
+    NonFinitePosition {
+        /// Index of the vertex.
+        vertex: usize,
+        /// The position as given.
+        position: [f32; 3],
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {index}, but there are {vertices} vertices")]
+    IndexOutOfRange {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The index it holds.
+        index: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// More vertices or triangles than the structures can number.
+    #[error("{count} {what} are more than the {limit} supported")]
+    TooMany {
+        /// "vertices" or "triangles".
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are supported.
+        limit: usize,
+    },
+    /// A stream's length does not match the mesh.
+    #[error("{what} has {found} entries where {expected} are needed")]
+    LengthMismatch {
+        /// The name of the stream.
+        what: String,
+        /// How many entries it has.
+        found: usize,
+        /// How many the mesh needs.
+        expected: usize,
+    },
+    /// An attribute's width is not 1 to 16 scalars.
+    #[error("attribute {name:?} has width {width}, which is not 1 to 16")]
+    AttributeWidth {
+        /// The attribute's name.
+        name: String,
+        /// The width as given.
+        width: usize,
+    },
+    /// Two attributes have the same name.
+    #[error("there is already an attribute named {name:?}")]
+    DuplicateAttribute {
+        /// The attribute's name.
+        name: String,
+    },
+}

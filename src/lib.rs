@@ -1,0 +1,12 @@
+//! Multiresolution triangle meshes.
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod error;
+#[cfg(feature = "io")]
+pub mod io;
+pub mod mesh;
+#[cfg(feature = "quality")]
+pub mod quality;
+pub mod simplify;
+pub mod tom;

@@ -1,0 +1,5 @@
+//! The corners around every point, in flat arrays.
+
+/// The corners around every point.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Adjacency {}

@@ -1,0 +1,135 @@
+//! A named stream of per-vertex values: normals, texture coordinates, colours, joints, whatever a file holds.
+
+use crate::error::MeshError;
+
+/// Customary attribute names. Any other name is carried along just as well.
+pub mod names {
+    /// Unit normals, 3 floats.
+    pub const NORMAL: &str = "normal";
+    /// First set of texture coordinates, 2 floats. Further sets are `uv1`, `uv2` and so on.
+    pub const UV: &str = "uv";
+    /// Colours, 3 or 4 floats, 0 to 1. Further sets are `color1` and so on.
+    pub const COLOR: &str = "color";
+    /// Tangents, 4 floats: direction and handedness.
+    pub const TANGENT: &str = "tangent";
+    /// Skin joints, 4 unsigned integers. Further sets are `joints1` and so on.
+    pub const JOINTS: &str = "joints";
+    /// Skin weights, 4 floats. Further sets are `weights1` and so on.
+    pub const WEIGHTS: &str = "weights";
+}
+
+/// The scalars of an attribute, `width` of them per vertex, vertex by vertex.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum AttributeValues {
+    /// Values that may be blended (normals, coordinates, colours).
+    Float(Vec<f32>),
+    /// Signed labels that may only be copied.
+    Int(Vec<i32>),
+    /// Unsigned labels that may only be copied (joints, ids).
+    Uint(Vec<u32>),
+}
+
+impl AttributeValues {
+    /// Number of scalars.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Float(v) => v.len(),
+            Self::Int(v) => v.len(),
+            Self::Uint(v) => v.len(),
+        }
+    }
+
+    /// Whether there are no scalars.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The raw 32-bit words, for bit-for-bit comparison.
+    pub(crate) fn words(&self) -> &[u32] {
+        match self {
+            Self::Float(v) => bytemuck::cast_slice(v),
+            Self::Int(v) => bytemuck::cast_slice(v),
+            Self::Uint(v) => v,
+        }
+    }
+}
+
+/// A named stream of values, `width` scalars per vertex.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Attribute {
+    name: String,
+    width: usize,
+    values: AttributeValues,
+}
+
+impl Attribute {
+    /// An attribute of `width` scalars per vertex; checked when a mesh takes it
+    /// ([`Mesh::with_attribute`](super::Mesh::with_attribute)).
+    pub fn new(name: impl Into<String>, width: usize, values: AttributeValues) -> Self {
+        Self { name: name.into(), width, values }
+    }
+
+    /// A float attribute from arrays of `WIDTH` floats, one per vertex.
+    pub fn floats<const WIDTH: usize>(name: impl Into<String>, values: &[[f32; WIDTH]]) -> Self {
+        Self::new(name, WIDTH, AttributeValues::Float(values.as_flattened().to_vec()))
+    }
+
+    /// The name, unique in its mesh.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Scalars per vertex, 1 to 16.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The scalars, `width` per vertex.
+    pub fn values(&self) -> &AttributeValues {
+        &self.values
+    }
+
+    /// The scalars where they are floats.
+    pub fn as_floats(&self) -> Option<&[f32]> {
+        match &self.values {
+            AttributeValues::Float(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Bytes held by the scalars.
+    pub fn memory(&self) -> usize {
+        4 * self.values.len()
+    }
+
+    /// The raw words of one vertex.
+    pub(crate) fn words(&self, vertex: u32) -> &[u32] {
+        let start = vertex as usize * self.width;
+        &self.values.words()[start..start + self.width]
+    }
+
+    /// Brings normals and tangents back to unit length after a blend; other attributes stay as they are.
+    pub(crate) fn normalise_directions(&mut self) {
+        if !matches!(self.name.as_str(), names::NORMAL | names::TANGENT) || self.width < 3 {
+            return;
+        }
+        if let AttributeValues::Float(values) = &mut self.values {
+            for value in values.chunks_exact_mut(self.width) {
+                let length = value[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+                if length > 1e-12 && (length - 1.0).abs() > 1e-5 {
+                    value[..3].iter_mut().for_each(|x| *x /= length);
+                }
+            }
+        }
+    }
+
+    pub(super) fn check(&self, vertices: usize) -> Result<(), MeshError> {
+        if !(1..=16).contains(&self.width) {
+            return Err(MeshError::AttributeWidth { name: self.name.clone(), width: self.width });
+        }
+        super::check_length(&self.name, self.values.len(), vertices * self.width)
+    }
+}

@@ -1,0 +1,252 @@
+//! What comes in: positions, triangles, attribute streams, and what can be known about them.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `mod.rs` | [`Mesh`], validated once and infallible afterwards |
+//! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
+//! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
+//! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
+//! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
+//! | `shapes.rs` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
+
+mod adjacency;
+mod attribute;
+mod report;
+pub mod shapes;
+mod topology;
+
+pub use adjacency::Adjacency;
+pub use attribute::{Attribute, AttributeValues, names};
+pub use report::Report;
+pub use topology::Topology;
+
+use crate::error::MeshError;
+
+/// Most vertices, and most triangles, that a [`Mesh`] holds: 2^30, so that three corners a triangle and one flag
+/// bit a vertex still fit 32 bits.
+pub const MAX_ELEMENTS: usize = 1 << 30;
+
+/// Stands for "none" in every index array of this crate.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// An indexed triangle mesh: positions, triangles, and optional streams of values.
+///
+/// Anything that passes [`Mesh::new`] is legal input everywhere in this crate: open borders, non-manifold edges and
+/// vertices, clashing orientation, several components, duplicate and degenerate triangles, vertices that no triangle
+/// uses, and no triangles at all.
+///
+/// *Topology apart from values*: triangles index vertices; vertices that share a position (bit for bit) are one
+/// *point*, and those that share all attribute values too are one *wedge* ([`Topology`]).
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]
+pub struct Mesh {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    attributes: Vec<Attribute>,
+    materials: Vec<u32>,
+    material_names: Vec<String>,
+    locks: Vec<bool>,
+}
+
+impl Mesh {
+    /// A mesh from positions (object units) and triangles (vertex indices, counter-clockwise seen from outside).
+    ///
+    /// # Errors
+    /// The first non-finite position, index out of range, or element count beyond [`MAX_ELEMENTS`]. O(n).
+    pub fn new(
+        positions: impl Into<Vec<[f32; 3]>>,
+        triangles: impl Into<Vec<[u32; 3]>>,
+    ) -> Result<Self, MeshError> {
+        let (positions, triangles) = (positions.into(), triangles.into());
+        for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
+            if count > MAX_ELEMENTS {
+                return Err(MeshError::TooMany { what, count, limit: MAX_ELEMENTS });
+            }
+        }
+        if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(MeshError::NonFinitePosition { vertex, position: positions[vertex] });
+        }
+        let vertices = positions.len();
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&c| c as usize >= vertices) {
+                return Err(MeshError::IndexOutOfRange { triangle, index, vertices });
+            }
+        }
+        Ok(Self { positions, triangles, ..Self::default() })
+    }
+
+    /// The same mesh with one more attribute stream.
+    ///
+    /// # Errors
+    /// The stream's length is not `width * vertices`, its width is not 1 to 16, or its name is taken.
+    pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, MeshError> {
+        attribute.check(self.positions.len())?;
+        if self.attribute(attribute.name()).is_some() {
+            return Err(MeshError::DuplicateAttribute { name: attribute.name().to_owned() });
+        }
+        self.attributes.push(attribute);
+        Ok(self)
+    }
+
+    /// The same mesh with a material id per triangle (an empty vector: none).
+    ///
+    /// # Errors
+    /// As many ids as triangles are needed.
+    pub fn with_materials(mut self, materials: impl Into<Vec<u32>>) -> Result<Self, MeshError> {
+        let materials = materials.into();
+        if !materials.is_empty() {
+            check_length("materials", materials.len(), self.triangles.len())?;
+        }
+        self.materials = materials;
+        Ok(self)
+    }
+
+    /// The same mesh with names for its material ids: id `i` is called `names[i]`.
+    #[must_use]
+    pub fn with_material_names(mut self, names: impl Into<Vec<String>>) -> Self {
+        self.material_names = names.into();
+        self
+    }
+
+    /// The same mesh with a lock per vertex (an empty vector: none). A locked vertex is never moved nor removed, nor
+    /// is any vertex at its position.
+    ///
+    /// # Errors
+    /// As many locks as vertices are needed.
+    pub fn with_locks(mut self, locks: impl Into<Vec<bool>>) -> Result<Self, MeshError> {
+        let locks = locks.into();
+        if !locks.is_empty() {
+            check_length("locks", locks.len(), self.positions.len())?;
+        }
+        self.locks = locks;
+        Ok(self)
+    }
+
+    /// A mesh from parts that are known to fit together: made from another mesh's.
+    pub(crate) fn from_trusted(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        attributes: Vec<Attribute>,
+        materials: Vec<u32>,
+        material_names: Vec<String>,
+        locks: Vec<bool>,
+    ) -> Self {
+        Self { positions, triangles, attributes, materials, material_names, locks }
+    }
+
+    /// Positions in object units, one per vertex.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    /// Vertex indices, one triple per triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The vertex indices as one flat slice, as graphics interfaces take them.
+    pub fn indices(&self) -> &[u32] {
+        self.triangles.as_flattened()
+    }
+
+    /// All attribute streams, in the order they were added.
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// The attribute of that name (see [`names`] for the customary ones).
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.name() == name)
+    }
+
+    /// Material id per triangle; empty where the mesh has no materials.
+    pub fn materials(&self) -> &[u32] {
+        &self.materials
+    }
+
+    /// Names of the material ids; may be shorter than the ids reach, or empty.
+    pub fn material_names(&self) -> &[String] {
+        &self.material_names
+    }
+
+    /// Lock per vertex; empty where nothing is locked.
+    pub fn locks(&self) -> &[bool] {
+        &self.locks
+    }
+
+    /// Smallest and largest corner of the box around all vertices that a triangle uses; `None` without triangles.
+    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        let mut used = self.indices().iter().map(|&v| self.positions[v as usize]);
+        let first = used.next()?;
+        let (mut low, mut high) = (first, first);
+        for p in used {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(p[axis]);
+                high[axis] = high[axis].max(p[axis]);
+            }
+        }
+        Some([low, high])
+    }
+
+    /// Length of the diagonal of [`Mesh::bounds`] in object units; 0 without triangles. In double precision, so that
+    /// boxes of any finite size have a finite diagonal.
+    pub fn diagonal(&self) -> f64 {
+        self.bounds().map_or(0.0, |[low, high]| {
+            (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
+        })
+    }
+
+    /// Bytes held by this mesh's arrays: positions, triangles, attributes, materials and locks.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.materials[..])
+            + size_of_val(&self.locks[..])
+            + self.attributes.iter().map(Attribute::memory).sum::<usize>()
+    }
+}
+
+/// What a mesh is made of, to let serde validate on the way in.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Parts {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    attributes: Vec<Attribute>,
+    materials: Vec<u32>,
+    material_names: Vec<String>,
+    locks: Vec<bool>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Mesh> for Parts {
+    fn from(mesh: Mesh) -> Self {
+        let Mesh { positions, triangles, attributes, materials, material_names, locks } = mesh;
+        Self { positions, triangles, attributes, materials, material_names, locks }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for Mesh {
+    type Error = MeshError;
+
+    fn try_from(parts: Parts) -> Result<Self, MeshError> {
+        let mut mesh = Mesh::new(parts.positions, parts.triangles)?
+            .with_materials(parts.materials)?
+            .with_material_names(parts.material_names)
+            .with_locks(parts.locks)?;
+        for attribute in parts.attributes {
+            mesh = mesh.with_attribute(attribute)?;
+        }
+        Ok(mesh)
+    }
+}
+
+fn check_length(what: &str, found: usize, expected: usize) -> Result<(), MeshError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(MeshError::LengthMismatch { what: what.to_owned(), found, expected })
+    }
+}

@@ -1,0 +1,269 @@
+//! What the simplifier hands over: every collapse in order, enough to replay it exactly in both directions.
+//!
+//! ```text
+//!   step 1      2      3  ...   n          a step moves every wedge of one point onto a wedge of another
+//!   |------|------|------|--...--|         (endpoint placement), or the wedges of two points onto new vertices
+//!   input                        base      (other placements): `from -> to` substitutions
+//! ```
+//!
+//! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
+//! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
+
+use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+
+use super::report::SimplifyReport;
+
+/// A vertex that a collapse made: a blend of two others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NewVertex {
+    /// The two vertices it replaces (input vertices or earlier new ones). Equal where only one wedge came along.
+    pub from: [u32; 2],
+    /// Share of the second in its attributes, 0 to 1.
+    pub weight: f32,
+    /// Where it lies, object units.
+    pub position: [f32; 3],
+}
+
+/// Where an output vertex comes from, to carry any vertex type along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Origin {
+    /// This vertex of the input, unchanged.
+    Input(u32),
+    /// `(1 - weight) * a + weight * b` of two vertices with lower numbers, at a position of its own.
+    Blend(NewVertex),
+}
+
+/// Every collapse of a simplification, in order.
+///
+/// Vertices are numbered as in the input, then new ones in order of creation. With endpoint placement there are no new
+/// ones. Steps count from 0 (`after 0 steps` is the input).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CollapseSequence {
+    pub(crate) input_vertices: u32,
+    pub(crate) new_vertices: Vec<NewVertex>,
+    /// Duplicate vertices and the wedge each is folded into before the first step.
+    pub(crate) aliases: Vec<[u32; 2]>,
+    pub(crate) substitutions: Vec<[u32; 2]>,
+    /// Start of each step's substitutions; one more than steps.
+    pub(crate) step_start: Vec<u32>,
+    /// Per step, a bound for the region that it changed.
+    pub(crate) step_error: Vec<f32>,
+    /// Per step, the largest `step_error` so far.
+    pub(crate) max_error: Vec<f32>,
+    /// Triangles left after k steps; one more than steps.
+    pub(crate) triangles_after: Vec<u32>,
+    /// Per input triangle the number of steps after which it is gone; 0: degenerate in the input; MAX: never.
+    pub(crate) triangle_end: Vec<u32>,
+    /// Steps done at the end of each batch (one batch in linear order).
+    pub(crate) batch_end: Vec<u32>,
+    pub(crate) report: SimplifyReport,
+}
+
+impl CollapseSequence {
+    /// Number of collapses.
+    pub fn len(&self) -> usize {
+        self.step_error.len()
+    }
+
+    /// Whether nothing was collapsed.
+    pub fn is_empty(&self) -> bool {
+        self.step_error.is_empty()
+    }
+
+    /// What was reached and why it stopped.
+    pub fn report(&self) -> &SimplifyReport {
+        &self.report
+    }
+
+    /// Number of vertices of the input.
+    pub fn input_vertices(&self) -> usize {
+        self.input_vertices as usize
+    }
+
+    /// Number of triangles of the input, degenerate ones included.
+    pub fn input_triangles(&self) -> usize {
+        self.triangle_end.len()
+    }
+
+    /// Vertices made by collapses, in order of creation. Empty with endpoint placement.
+    pub fn new_vertices(&self) -> &[NewVertex] {
+        &self.new_vertices
+    }
+
+    /// Duplicate vertices (equal in position and all attributes) as `[duplicate, kept]`, folded together before the
+    /// first step.
+    pub fn aliases(&self) -> &[[u32; 2]] {
+        &self.aliases
+    }
+
+    /// The substitutions `[from, to]` of one step.
+    pub fn substitutions(&self, step: usize) -> &[[u32; 2]] {
+        &self.substitutions[self.step_start[step] as usize..self.step_start[step + 1] as usize]
+    }
+
+    /// The error bound of the region that `step` changed, object units. What it bounds: see
+    /// [`Simplifier`](super::Simplifier).
+    pub fn step_error(&self, step: usize) -> f32 {
+        self.step_error[step]
+    }
+
+    /// The error bound of the whole mesh after `steps` steps, object units: never decreases with `steps`.
+    pub fn error_after(&self, steps: usize) -> f32 {
+        steps.checked_sub(1).map_or(0.0, |last| self.max_error[last])
+    }
+
+    /// Triangles left after `steps` steps; degenerate input triangles do not count.
+    pub fn triangles_after(&self, steps: usize) -> usize {
+        self.triangles_after[steps] as usize
+    }
+
+    /// Steps done at the end of each batch; linear order has one batch.
+    pub fn batches(&self) -> &[u32] {
+        &self.batch_end
+    }
+
+    /// Per input triangle the number of steps after which it is gone: 0 where it is degenerate in the input,
+    /// `u32::MAX` where it stays in the base mesh.
+    pub fn triangle_ends(&self) -> &[u32] {
+        &self.triangle_end
+    }
+
+    /// Fewest steps after which at most `triangles` are left, or all steps. O(log n).
+    pub fn steps_for_triangles(&self, triangles: usize) -> usize {
+        self.triangles_after.partition_point(|&left| left as usize > triangles).min(self.len())
+    }
+
+    /// Most steps whose error bound is at most `error` object units. O(log n).
+    pub fn steps_for_error(&self, error: f32) -> usize {
+        self.max_error.partition_point(|&e| e <= error)
+    }
+
+    /// Where a vertex comes from.
+    pub fn origin(&self, vertex: u32) -> Origin {
+        match vertex.checked_sub(self.input_vertices) {
+            Some(new) => Origin::Blend(self.new_vertices[new as usize]),
+            None => Origin::Input(vertex),
+        }
+    }
+
+    /// The vertex that stands for each vertex (input and new) after `steps` steps. O(vertices).
+    pub fn representatives(&self, steps: usize) -> Vec<u32> {
+        let count = self.input_vertices as usize + self.new_vertices.len();
+        let mut to: Vec<u32> = (0..count as u32).collect();
+        if steps > 0 {
+            // Later substitutions first: each target is then already resolved.
+            for &[from, target] in self.substitutions[..self.step_start[steps] as usize].iter().rev() {
+                to[from as usize] = to[target as usize];
+            }
+            for &[duplicate, kept] in &self.aliases {
+                to[duplicate as usize] = to[kept as usize];
+            }
+        }
+        to
+    }
+
+    /// The triangles left after `steps` steps, in input order, and the input triangle each is the image of. After 0
+    /// steps, the input's own triangles verbatim (degenerate ones included).
+    pub fn triangles_at(&self, mesh: &Mesh, steps: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let to = self.representatives(steps);
+        let alive = |t: usize| steps == 0 || self.triangle_end[t] as usize > steps;
+        let origin: Vec<u32> = (0..self.triangle_end.len()).filter(|&t| alive(t)).map(|t| t as u32).collect();
+        let image = origin.iter().map(|&t| mesh.triangles()[t as usize].map(|v| to[v as usize])).collect();
+        (image, origin)
+    }
+
+    /// The level of detail after `steps` steps as a mesh of its own, with attributes, materials and locks. Only
+    /// vertices that a triangle uses are kept, in order of first use; after 0 steps the input itself. O(input).
+    pub fn extract(&self, mesh: &Mesh, steps: usize) -> Mesh {
+        if steps == 0 {
+            return mesh.clone();
+        }
+        let (mut triangles, origin) = self.triangles_at(mesh, steps);
+        let mut number = vec![NONE; self.input_vertices as usize + self.new_vertices.len()];
+        let mut used = Vec::new();
+        for corner in triangles.as_flattened_mut() {
+            let n = &mut number[*corner as usize];
+            if *n == NONE {
+                *n = used.len() as u32;
+                used.push(*corner);
+            }
+            *corner = *n;
+        }
+        let materials: Vec<u32> = if mesh.materials().is_empty() {
+            Vec::new()
+        } else {
+            origin.iter().map(|&t| mesh.materials()[t as usize]).collect()
+        };
+        self.assemble(mesh, &used, triangles, materials)
+    }
+
+    /// A mesh of the given vertices of this sequence.
+    pub(crate) fn assemble(
+        &self,
+        mesh: &Mesh,
+        vertices: &[u32],
+        triangles: Vec<[u32; 3]>,
+        materials: Vec<u32>,
+    ) -> Mesh {
+        let position = |v: u32| match self.origin(v) {
+            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Blend(new) => new.position,
+        };
+        let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| position(v)).collect();
+        let locks: Vec<bool> = if mesh.locks().is_empty() {
+            Vec::new()
+        } else {
+            vertices.iter().map(|&v| mesh.locks().get(v as usize).copied().unwrap_or(false)).collect()
+        };
+        let attributes = mesh.attributes().iter().map(|a| self.attribute(a, vertices)).collect();
+        Mesh::from_trusted(positions, triangles, attributes, materials, mesh.material_names().to_vec(), locks)
+    }
+
+    /// The values of one attribute at the given vertices; new vertices blend floats and copy labels from the nearer.
+    fn attribute(&self, source: &Attribute, vertices: &[u32]) -> Attribute {
+        let width = source.width();
+        let values = match source.values() {
+            AttributeValues::Float(v) => AttributeValues::Float(self.arrange_with(v, width, vertices, |a, b, w| {
+                if w == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * w }
+            })),
+            AttributeValues::Int(v) => {
+                AttributeValues::Int(self.arrange_with(v, width, vertices, |a, b, w| if w > 0.5 { b } else { a }))
+            }
+            AttributeValues::Uint(v) => {
+                AttributeValues::Uint(self.arrange_with(v, width, vertices, |a, b, w| if w > 0.5 { b } else { a }))
+            }
+        };
+        let mut result = Attribute::new(source.name(), width, values);
+        if !self.new_vertices.is_empty() {
+            result.normalise_directions();
+        }
+        result
+    }
+
+    fn arrange_with<T: Copy>(
+        &self,
+        values: &[T],
+        width: usize,
+        vertices: &[u32],
+        blend: impl Fn(T, T, f32) -> T,
+    ) -> Vec<T> {
+        if self.new_vertices.is_empty() {
+            return vertices
+                .iter()
+                .flat_map(|&v| &values[v as usize * width..(v as usize + 1) * width])
+                .copied()
+                .collect();
+        }
+        let mut all = values.to_vec();
+        for new in &self.new_vertices {
+            let [a, b] = new.from.map(|v| v as usize * width);
+            for i in 0..width {
+                all.push(blend(all[a + i], all[b + i], new.weight));
+            }
+        }
+        vertices.iter().flat_map(|&v| &all[v as usize * width..(v as usize + 1) * width]).copied().collect()
+    }
+}
