@@ -1,0 +1,524 @@
+//! The driver: candidates by cost, oracles, collapses, and what they make stale.
+//!
+//! ```text
+//! for each batch (one in linear order)
+//!     metric.begin
+//!     for every point: its cheapest candidate -> queue
+//!     while a target is missed, take the next point
+//!         stale?            look for its cheapest again, put it back where that belongs
+//!         refused?          the cheapest that every oracle allows, now or put back; none: asleep until woken
+//!         collapse          measure the deviation, record, merge
+//!         around it         a cheaper way opened? moved up. Costs changed? marked stale. Asleep? woken
+//! ```
+//!
+//! A stale point keeps its old place. Where costs only grow, as with accumulated quadrics, that place is a lower bound
+//! and the order is exactly the greedy one; for memoryless metrics a cost that fell is noticed late.
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+
+use crate::mesh::{Mesh, NONE, Topology};
+
+use super::metric::{Batch, ErrorMetric, Pair};
+use super::options::{Limits, Order, Progress};
+use super::oracle::{Collapse, Oracle};
+use super::pairs::Partners;
+use super::placement::Placement;
+use super::queue::ClassQueue;
+use super::recorder::Recorder;
+use super::report::{Refusal, SimplifyReport, StopReason};
+use super::sequence::CollapseSequence;
+use super::surface::{Surface, kind};
+use super::witness::Witnesses;
+
+/// Steps between two calls of the progress callback.
+const PROGRESS_STEPS: usize = 4096;
+
+/// A point's cheapest candidate.
+#[derive(Debug, Clone, Copy)]
+struct Best {
+    cost: f32,
+    other: u32,
+}
+
+const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
+
+/// What a point waits for.
+mod state {
+    /// Its candidate may be out of date.
+    pub const STALE: u8 = 1;
+    /// Every candidate was refused; woken by a change next to it.
+    pub const ASLEEP: u8 = 2;
+    /// Merged away.
+    pub const GONE: u8 = 4;
+    /// Part of a neighbourhood that this batch changed.
+    pub const TOUCHED: u8 = 8;
+}
+
+pub(super) struct Engine<'a, M> {
+    pub metric: &'a mut M,
+    pub placement: Placement,
+    pub order: Order,
+    pub oracles: &'a [Box<dyn Oracle>],
+    pub limits: Limits,
+    surface: Surface,
+    partners: Partners,
+    recorder: Recorder,
+    queue: ClassQueue,
+    best: Vec<Best>,
+    state: Vec<u8>,
+    error: f32,
+    refusals: Vec<u64>,
+    /// Candidates refused because they would exceed the error asked for.
+    too_far: u64,
+    witnesses: Witnesses,
+    dead: Vec<u32>,
+    changed: Vec<u32>,
+    ring: Vec<u32>,
+    options: Vec<Best>,
+}
+
+impl<'a, M: ErrorMetric> Engine<'a, M> {
+    pub fn new(
+        mesh: &Mesh,
+        metric: &'a mut M,
+        placement: Placement,
+        order: Order,
+        oracles: &'a [Box<dyn Oracle>],
+        limits: Limits,
+        join_distance: f32,
+    ) -> Self {
+        let topology = Topology::new(mesh);
+        let surface = Surface::new(mesh, &topology);
+        let recorder = Recorder::new(mesh, &topology, &surface);
+        let points = surface.point_count();
+        let partners = Partners::new(&surface, f64::from(join_distance) * surface.frame().scale());
+        Self {
+            metric,
+            placement,
+            order,
+            oracles,
+            limits,
+            partners,
+            recorder,
+            queue: ClassQueue::new(points),
+            best: vec![NO_BEST; points],
+            state: vec![0; points],
+            error: 0.0,
+            refusals: vec![0; oracles.len()],
+            too_far: 0,
+            witnesses: Witnesses::new(&surface),
+            dead: Vec::new(),
+            changed: Vec::new(),
+            ring: Vec::new(),
+            options: Vec::new(),
+            surface,
+        }
+    }
+
+    pub fn run(mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> CollapseSequence {
+        let mut batch = 0;
+        let mut stop = StopReason::NothingLegal;
+        loop {
+            if self.is_done() {
+                stop = StopReason::Target;
+                break;
+            }
+            self.begin_batch(batch);
+            match self.run_batch(progress) {
+                Some(reason) => {
+                    stop = reason;
+                    self.recorder.finish_batch();
+                    break;
+                }
+                None => {
+                    if !self.recorder.finish_batch() || self.order == Order::Linear {
+                        break;
+                    }
+                }
+            }
+            batch += 1;
+        }
+        if stop == StopReason::NothingLegal && self.too_far > 0 {
+            stop = StopReason::Error;
+        }
+        self.finish(stop)
+    }
+
+    fn is_done(&self) -> bool {
+        self.limits.reached(self.surface.live_triangles(), self.recorder.live_vertices())
+    }
+
+    fn begin_batch(&mut self, index: usize) {
+        let info = Batch {
+            index,
+            triangles: self.surface.live_triangles(),
+            input_triangles: self.surface.triangle_count(),
+        };
+        self.metric.begin(&self.surface, info);
+        self.queue.restart();
+        for state in &mut self.state {
+            *state &= state::GONE;
+        }
+        let best = self.all_candidates();
+        for (point, best) in best.iter().enumerate() {
+            if best.other != NONE {
+                self.queue.insert(point as u32, best.cost);
+            }
+        }
+        self.best = best;
+    }
+
+    /// The cheapest candidate of every point.
+    fn all_candidates(&self) -> Vec<Best> {
+        let of = |point: usize| {
+            if self.state[point] & state::GONE != 0 { NO_BEST } else { self.candidate(point as u32) }
+        };
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            (0..self.best.len()).into_par_iter().with_min_len(1024).map(of).collect()
+        }
+        #[cfg(not(feature = "parallel"))]
+        {
+            (0..self.best.len()).map(of).collect()
+        }
+    }
+
+    /// Serves the queue until it is empty (`None`) or there is a reason to stop.
+    fn run_batch(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
+        let mut next_call = self.recorder.steps() + PROGRESS_STEPS;
+        while let Some(point) = self.queue.pop() {
+            if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
+                continue;
+            }
+            if self.state[point as usize] & state::STALE != 0 {
+                self.refresh(point);
+                let best = self.best[point as usize];
+                if best.other == NONE {
+                    continue;
+                }
+                if !self.queue.is_due(best.cost) {
+                    self.queue.insert(point, best.cost);
+                    continue;
+                }
+            }
+            if !self.try_collapse(point) {
+                continue;
+            }
+            if self.is_done() {
+                return Some(StopReason::Target);
+            }
+            if self.recorder.steps() >= next_call {
+                next_call += PROGRESS_STEPS;
+                let now = Progress {
+                    steps: self.recorder.steps(),
+                    triangles: self.surface.live_triangles(),
+                    input_triangles: self.surface.triangle_count(),
+                    target_triangles: self.limits.triangles,
+                };
+                if progress(now).is_break() {
+                    return Some(StopReason::Cancelled);
+                }
+            }
+        }
+        None
+    }
+
+    fn refresh(&mut self, point: u32) {
+        self.state[point as usize] &= !state::STALE;
+        self.best[point as usize] = self.candidate(point);
+    }
+
+    /// Whether this placement looks at each pair once, from its lower point, rather than in both directions.
+    fn is_symmetric(&self) -> bool {
+        self.placement != Placement::Endpoint
+    }
+
+    /// The cheapest candidate of a point, whether legal or not.
+    #[inline]
+    fn candidate(&self, point: u32) -> Best {
+        let mut best = NO_BEST;
+        self.for_candidates(point, |option| {
+            if option.cost < best.cost || option.cost == best.cost && option.other < best.other {
+                best = option;
+            }
+        });
+        best
+    }
+
+    /// Calls `visit` with every candidate of a point.
+    #[inline]
+    fn for_candidates(&self, point: u32, mut visit: impl FnMut(Best)) {
+        let symmetric = self.is_symmetric();
+        let mut look = |other: u32| {
+            if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
+                return;
+            }
+            visit(Best { cost: self.evaluate(point, other).2, other });
+        };
+        self.surface.for_neighbours(point, &mut look);
+        self.partners.for_each(point, look);
+    }
+
+    /// Who is merged into whom, where, and what it costs.
+    #[inline]
+    fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
+        let pair = Pair { lost: point, kept: other };
+        let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
+        if self.placement == Placement::Endpoint {
+            let x = self.surface.at(other);
+            return (pair, x, clean(self.metric.cost_at_kept(&self.surface, pair)));
+        }
+        let (pair, bound) = self.orient(pair);
+        let kept = self.surface.at(pair.kept);
+        if bound {
+            return (pair, kept, clean(self.metric.cost(&self.surface, pair, kept.into())));
+        }
+        let lost = self.surface.at(pair.lost);
+        let middle = 0.5 * (lost + kept);
+        let cost = |pair: Pair, x: Vec3| clean(self.metric.cost(&self.surface, pair, x.into()));
+        match self.placement {
+            Placement::Optimal => {
+                if let Some((x, c)) = self.metric.optimum(&self.surface, pair) {
+                    let x = Vec3::from(x);
+                    if x.is_finite() {
+                        return (pair, x, clean(c));
+                    }
+                }
+                (pair, middle, cost(pair, middle))
+            }
+            Placement::Subset => {
+                let swapped = Pair { lost: pair.kept, kept: pair.lost };
+                let options = [(pair, kept), (swapped, lost), (pair, middle)];
+                let mut best = (pair, kept, f32::INFINITY);
+                for (pair, x) in options {
+                    let c = cost(pair, x);
+                    if c < best.2 {
+                        best = (pair, x, c);
+                    }
+                }
+                best
+            }
+            _ => (pair, middle, cost(pair, middle)),
+        }
+    }
+
+    /// Puts the freer point first; says whether the other one must stay where it is.
+    fn orient(&self, pair: Pair) -> (Pair, bool) {
+        let held = |p: u32| {
+            let bits = self.surface.kind(p);
+            let rank = if bits & kind::LOCKED != 0 {
+                3
+            } else if bits & kind::FEATURE == 0 {
+                0
+            } else if bits & kind::CURVE != 0 {
+                1
+            } else {
+                2
+            };
+            (rank, bits & kind::FEATURE)
+        };
+        let (lost, kept) = (held(pair.lost), held(pair.kept));
+        if lost.0 > kept.0 {
+            (Pair { lost: pair.kept, kept: pair.lost }, true)
+        } else {
+            (pair, lost != kept || lost.0 > 1)
+        }
+    }
+
+    /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
+    fn try_collapse(&mut self, point: u32) -> bool {
+        let first = self.best[point as usize];
+        if self.attempt(point, first.other) {
+            return true;
+        }
+        let mut options = std::mem::take(&mut self.options);
+        options.clear();
+        self.for_candidates(point, |option| options.push(option));
+        options.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.other.cmp(&b.other)));
+        options.dedup_by_key(|option| option.other);
+        let mut done = false;
+        let mut later = NO_BEST;
+        for &option in options.iter().filter(|option| option.other != first.other) {
+            if self.queue.is_due(option.cost) {
+                if self.attempt(point, option.other) {
+                    done = true;
+                    break;
+                }
+            } else if self.is_legal(point, option.other).is_some() {
+                later = option;
+                break;
+            }
+        }
+        self.options = options;
+        if !done {
+            self.best[point as usize] = later;
+            if later.other == NONE {
+                self.state[point as usize] |= state::ASLEEP;
+            } else {
+                self.queue.insert(point, later.cost);
+            }
+        }
+        done
+    }
+
+    /// The collapse of a candidate where every oracle allows it.
+    #[inline]
+    fn is_legal(&mut self, point: u32, other: u32) -> Option<Collapse> {
+        let (pair, x, _) = self.evaluate(point, other);
+        let collapse = Collapse { pair, position: x.into() };
+        for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
+            if !oracle.allows(&self.surface, &collapse) {
+                *count += 1;
+                return None;
+            }
+        }
+        Some(collapse)
+    }
+
+    fn attempt(&mut self, point: u32, other: u32) -> bool {
+        let Some(collapse) = self.is_legal(point, other) else { return false };
+        let Collapse { pair, position } = collapse;
+        let (x, object) = self.snap(pair, Vec3::from(position));
+        let bound = self.witnesses.measure(&self.surface, pair, x);
+        if self.surface.frame().object_length(bound) > self.limits.error {
+            self.too_far += 1;
+            return false;
+        }
+        self.commit(pair, x, object, bound);
+        true
+    }
+
+    /// The position as it will be stored (object units, single precision) and back in the inner frame. A kept point
+    /// that does not move keeps its exact position and its vertices.
+    fn snap(&self, pair: Pair, x: Vec3) -> (Vec3, Option<[f32; 3]>) {
+        if x == self.surface.at(pair.kept) {
+            return (x, None);
+        }
+        let object = self.surface.frame().object(x.into());
+        (Vec3::from(self.surface.frame().inner(object)), Some(object))
+    }
+
+    fn commit(&mut self, pair: Pair, x: Vec3, object: Option<[f32; 3]>, bound: f32) {
+        let moves = object.is_some();
+        let joins = self.surface.edge_kind_is_none(pair);
+        let share = blend_weight(self.surface.at(pair.lost), self.surface.at(pair.kept), x);
+        let mark = self.recorder.mark();
+        self.metric.collapsing(&self.surface, pair, x.into());
+        self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
+        let shifts_features =
+            self.surface.kind(pair.lost) & !self.surface.kind(pair.kept) & kind::FEATURE != 0;
+        self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead, &mut self.changed);
+        let recorder = &self.recorder;
+        self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
+        if joins || shifts_features {
+            self.surface.reclassify_around(pair.kept);
+        }
+        self.witnesses.commit(&self.surface, pair, &self.dead, &self.changed, moves);
+        self.error = self.error.max(bound);
+        let error = self.surface.frame().object_length(bound);
+        self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
+        self.state[pair.lost as usize] = state::GONE;
+        self.queue.remove(pair.lost);
+        self.partners.merge(pair.lost, pair.kept);
+        self.update_around(pair);
+    }
+
+    /// Brings the candidates around a merged point up to date, or marks them stale.
+    fn update_around(&mut self, pair: Pair) {
+        let kept = pair.kept;
+        let mut ring = std::mem::take(&mut self.ring);
+        ring.clear();
+        self.surface.for_neighbours(kept, |n| ring.push(n));
+        if self.order == Order::Batched {
+            self.state[kept as usize] |= state::TOUCHED;
+            ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
+        } else {
+            let memoryless = self.metric.is_memoryless();
+            let symmetric = self.is_symmetric();
+            let mut own = NO_BEST;
+            for &n in &ring {
+                // The pair seen from the ring.
+                if !symmetric || n < kept {
+                    let cost = self.evaluate(n, kept).2;
+                    let best = &mut self.best[n as usize];
+                    let gone = best.other == pair.lost || best.other == kept;
+                    if cost <= best.cost || best.other == NONE {
+                        *best = Best { cost, other: kept };
+                        self.queue.insert(n, cost);
+                        if gone {
+                            self.state[n as usize] |= state::STALE;
+                        }
+                    } else if gone {
+                        self.state[n as usize] |= state::STALE;
+                    }
+                } else if self.best[n as usize].other == pair.lost {
+                    self.state[n as usize] |= state::STALE;
+                }
+                // And from the merged point.
+                if !symmetric || kept < n {
+                    let cost = self.evaluate(kept, n).2;
+                    if cost < own.cost || cost == own.cost && n < own.other {
+                        own = Best { cost, other: n };
+                    }
+                }
+                if memoryless {
+                    self.state[n as usize] |= state::STALE;
+                }
+                if self.state[n as usize] & state::ASLEEP != 0 {
+                    self.state[n as usize] = self.state[n as usize] & !state::ASLEEP | state::STALE;
+                    self.queue.insert(n, self.best[n as usize].cost.min(f32::MAX));
+                }
+            }
+            self.partners.for_each(kept, |n| {
+                if !symmetric || kept < n {
+                    let cost = self.evaluate(kept, n).2;
+                    if cost < own.cost {
+                        own = Best { cost, other: n };
+                    }
+                }
+            });
+            self.best[kept as usize] = own;
+            self.state[kept as usize] &= !(state::STALE | state::ASLEEP);
+            if own.other == NONE {
+                self.queue.remove(kept);
+            } else {
+                self.queue.insert(kept, own.cost);
+            }
+        }
+        self.ring = ring;
+    }
+
+    fn finish(self, stop: StopReason) -> CollapseSequence {
+        let names = self.oracles.iter().map(|oracle| oracle.name().to_owned());
+        let mut refusals: Vec<Refusal> = names
+            .zip(&self.refusals)
+            .map(|(oracle, &count)| Refusal { oracle, count, standing: 0 })
+            .collect();
+        if self.limits.error.is_finite() {
+            refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
+        }
+        let mut used = vec![false; self.recorder.vertex_count()];
+        for t in (0..self.surface.triangle_count() as u32).filter(|&t| self.surface.triangle(t).is_some()) {
+            self.surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
+        }
+        let report = SimplifyReport {
+            stop,
+            steps: self.recorder.steps(),
+            triangles: self.surface.live_triangles(),
+            vertices: used.iter().filter(|&&u| u).count(),
+            error: self.surface.frame().object_length(self.error),
+            refusals,
+        };
+        self.recorder.finish(report)
+    }
+}
+
+/// The share of `b` in a blend that lies nearest `x` on the segment from `a` to `b`.
+fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
+    let ab = b - a;
+    let length = ab.length_squared();
+    if length > 0.0 { ((x - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 }
+}

@@ -1,0 +1,101 @@
+//! What a collapse costs: the seam between the simplifier and its error metrics.
+//!
+//! | metric | cost of a collapse | source |
+//! |---|---|---|
+//! | [`EdgeLength`] | squared length of the edge | Southern 3.2.3, Berkey 3.1 |
+//! | [`UnsignedVolume`] | volume swept by the surface, unsigned | Southern 3.2.4 |
+//! | [`Hybrid`] | that volume times the largest normal deviation | Southern 3.2.4 |
+//! | [`ProgressiveMeshMetric`] | distances to the planes around, plus springs | Southern 3.2.1 |
+//! | [`MemorylessQuadric`] | area-weighted squared distances to the planes around | Southern 3.2.2 |
+//! | [`Quadric`] | the same, accumulated since the input | Garland and Heckbert 1997 |
+//! | [`VolumeArea`] | volume and area change | TOM 4.1 |
+//! | [`LindstromTurk`] | volume, boundary and shape objectives | Lindstrom and Turk 1998 |
+//! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
+
+mod quadric;
+
+pub use quadric::Quadric;
+
+use super::surface::Surface;
+
+/// A candidate: `lost` would be merged into `kept`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    /// The point that goes.
+    pub lost: u32,
+    /// The point that stays (and may move).
+    pub kept: u32,
+}
+
+/// What is known when a batch begins. Linear order is one batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Batch {
+    /// Its number, from 0.
+    pub index: usize,
+    /// Live triangles at its start.
+    pub triangles: usize,
+    /// Triangles of the input.
+    pub input_triangles: usize,
+}
+
+/// What a collapse costs.
+///
+/// Positions and lengths are in the surface's inner frame ([`Frame`](super::Frame)). Costs order collapses and have no
+/// other meaning; they must not be NaN and are taken as 0 where negative. Costs of different metrics do not compare,
+/// so a metric may change its coefficients only in [`begin`](ErrorMetric::begin).
+pub trait ErrorMetric: Send + Sync {
+    /// The name that the command line uses.
+    fn name(&self) -> &'static str;
+
+    /// Called before the first candidate of each batch is looked at: the place to build accumulators (when
+    /// `batch.index` is 0, or when this metric takes over from another) and to change coefficients.
+    fn begin(&mut self, surface: &Surface, batch: Batch);
+
+    /// The cost of merging `pair` at `position`.
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32;
+
+    /// The cost of merging `pair` where `kept` lies: what endpoint placement asks for. Worth its own formula where
+    /// that is cheaper.
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        self.cost(surface, pair, surface.position(pair.kept))
+    }
+
+    /// The position of least cost and its cost; `None` where the metric has no opinion (the midpoint is taken).
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)>;
+
+    /// Called just before `pair` is merged at `position`.
+    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+        let _ = (surface, pair, position);
+    }
+
+    /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
+    /// around it stale; otherwise only those of pairs with one of the merged points.
+    fn is_memoryless(&self) -> bool {
+        true
+    }
+}
+
+impl ErrorMetric for Box<dyn ErrorMetric> {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+    fn begin(&mut self, surface: &Surface, batch: Batch) {
+        (**self).begin(surface, batch);
+    }
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        (**self).cost(surface, pair, position)
+    }
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        (**self).cost_at_kept(surface, pair)
+    }
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        (**self).optimum(surface, pair)
+    }
+    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+        (**self).collapsing(surface, pair, position);
+    }
+    fn is_memoryless(&self) -> bool {
+        (**self).is_memoryless()
+    }
+}

@@ -1,0 +1,161 @@
+//! Squared distances to planes, accumulated since the input (Garland and Heckbert 1997).
+//!
+//! ```text
+//!   Q(x) = sum over planes of  weight * (n . (x - p))^2  =  d'Ad + 2 b'd + c,   d = x - origin
+//! ```
+//!
+//! Each quadric is kept relative to its own point, so the terms are as small as the neighbourhood and single precision
+//! loses nothing: with one origin for the whole mesh, `c` and `d'Ad` would cancel to rounding noise at errors below
+//! 1e-4 of the box.
+
+use glam::Vec3;
+
+use super::{Batch, ErrorMetric, Pair};
+use crate::simplify::surface::{Surface, kind};
+
+/// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct PlaneQuadric {
+    /// xx, yy, zz, xy, xz, yz.
+    a: [f32; 6],
+    b: [f32; 3],
+    c: f32,
+}
+
+impl PlaneQuadric {
+    /// The plane through the origin with unit normal `n`.
+    #[inline]
+    pub fn plane(n: Vec3, weight: f32) -> Self {
+        let w = n * weight;
+        Self { a: [w.x * n.x, w.y * n.y, w.z * n.z, w.x * n.y, w.x * n.z, w.y * n.z], b: [0.0; 3], c: 0.0 }
+    }
+
+    #[inline]
+    pub fn add(&mut self, other: &Self) {
+        for i in 0..6 {
+            self.a[i] += other.a[i];
+        }
+        for i in 0..3 {
+            self.b[i] += other.b[i];
+        }
+        self.c += other.c;
+    }
+
+    #[inline]
+    fn times(&self, d: Vec3) -> Vec3 {
+        let [xx, yy, zz, xy, xz, yz] = self.a;
+        Vec3::new(
+            xx * d.x + xy * d.y + xz * d.z,
+            xy * d.x + yy * d.y + yz * d.z,
+            xz * d.x + yz * d.y + zz * d.z,
+        )
+    }
+
+    /// The value at `d` from the origin; never negative.
+    #[inline]
+    pub fn at(&self, d: Vec3) -> f32 {
+        (d.dot(self.times(d)) + 2.0 * d.dot(Vec3::from(self.b)) + self.c).max(0.0)
+    }
+
+    /// The same sum relative to an origin moved by `t`.
+    #[inline]
+    pub fn moved(&self, t: Vec3) -> Self {
+        let at = self.times(t);
+        let b = Vec3::from(self.b);
+        Self { a: self.a, b: (b + at).into(), c: (t.dot(at) + 2.0 * t.dot(b) + self.c).max(0.0) }
+    }
+}
+
+/// The accumulated quadric: every point carries the squared distances to the planes of all input triangles that were
+/// merged into it, weighted by their area, and to planes upright on borders and feature edges.
+#[derive(Debug, Clone, Default)]
+pub struct Quadric {
+    quadrics: Vec<PlaneQuadric>,
+}
+
+impl Quadric {
+    /// The metric.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl ErrorMetric for Quadric {
+    fn name(&self) -> &'static str {
+        "quadric"
+    }
+
+    fn begin(&mut self, surface: &Surface, batch: Batch) {
+        if batch.index == 0 || self.quadrics.len() != surface.point_count() {
+            self.quadrics = point_quadrics(surface);
+        }
+    }
+
+    #[inline]
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        let x = Vec3::from(position);
+        let lost = self.quadrics[pair.lost as usize].at(x - surface.at(pair.lost));
+        let kept = self.quadrics[pair.kept as usize].at(x - surface.at(pair.kept));
+        lost + kept
+    }
+
+    #[inline]
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        let step = surface.at(pair.kept) - surface.at(pair.lost);
+        self.quadrics[pair.lost as usize].at(step) + self.quadrics[pair.kept as usize].c
+    }
+
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        let _ = (surface, pair);
+        None
+    }
+
+    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+        let x = Vec3::from(position);
+        let lost = self.quadrics[pair.lost as usize].moved(x - surface.at(pair.lost));
+        let kept = &mut self.quadrics[pair.kept as usize];
+        *kept = kept.moved(x - surface.at(pair.kept));
+        kept.add(&lost);
+    }
+
+    fn is_memoryless(&self) -> bool {
+        false
+    }
+}
+
+/// The quadric of every point of a surface, relative to the point.
+fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
+    let mut quadrics = vec![PlaneQuadric::default(); surface.point_count()];
+    for triangle in 0..surface.triangle_count() as u32 {
+        let Some(points) = surface.triangle(triangle) else { continue };
+        let [p, q, r] = points.map(|v| surface.at(v));
+        let cross = (q - p).cross(r - p);
+        let double_area = cross.length();
+        if double_area <= 0.0 {
+            continue;
+        }
+        let normal = cross / double_area;
+        let plane = PlaneQuadric::plane(normal, double_area);
+        for v in points {
+            quadrics[v as usize].add(&plane);
+        }
+        for i in 0..3 {
+            let (u, v) = (points[i], points[(i + 1) % 3]);
+            if surface.kind(u) & kind::FEATURE == 0 || surface.kind(v) & kind::FEATURE == 0 {
+                continue;
+            }
+            if surface.edge_kind(u, v).is_some_and(|k| k != 0) {
+                let edge = surface.at(v) - surface.at(u);
+                let length_squared = edge.length_squared();
+                let upright = edge.cross(normal).normalize_or_zero();
+                let plane = PlaneQuadric::plane(upright, length_squared * EDGE_WEIGHT);
+                quadrics[u as usize].add(&plane);
+                quadrics[v as usize].add(&plane);
+            }
+        }
+    }
+    quadrics
+}
+
+/// Weight of the plane upright on a border or feature edge, per squared length.
+const EDGE_WEIGHT: f32 = 4.0;

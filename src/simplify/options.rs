@@ -1,0 +1,112 @@
+//! What can be asked of a simplification: order, targets, progress.
+
+/// In which order collapses are done.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Order {
+    /// Always the cheapest next, to within one cost class of 6.25 % (Southern 3.3).
+    #[default]
+    Linear,
+    /// Batches of collapses whose neighbourhoods do not touch, cheapest first inside each (Southern 3.4). Each batch
+    /// at most halves the mesh or so, the collapses of one batch may be undone in any order, and the metric may change
+    /// between batches.
+    Batched,
+}
+
+/// When to stop. With several targets the first one reached stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Target {
+    /// At most this many triangles.
+    Triangles(usize),
+    /// At most this many vertices (wedges that a triangle uses).
+    Vertices(usize),
+    /// At most this share of the input's triangles, 0 to 1.
+    Ratio(f64),
+    /// As few triangles as possible while the error bound stays within this, object units.
+    Error(f32),
+    /// At most this many bytes as an indexed mesh with 32-bit indices.
+    Bytes {
+        /// The bytes of vertices and indices together.
+        bytes: usize,
+        /// Bytes of one vertex.
+        per_vertex: usize,
+    },
+}
+
+/// An option that makes no sense.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// A number outside its range.
+    #[error("{option} is {value}, which is not {expected}")]
+    OutOfRange {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+/// How far a simplification is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Collapses done.
+    pub steps: usize,
+    /// Triangles left.
+    pub triangles: usize,
+    /// Triangles of the input.
+    pub input_triangles: usize,
+    /// The triangles that the targets ask for, as far as they say; 0 otherwise.
+    pub target_triangles: usize,
+}
+
+impl Progress {
+    /// The share of the way done, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        let way = self.input_triangles.saturating_sub(self.target_triangles).max(1);
+        (self.input_triangles.saturating_sub(self.triangles) as f32 / way as f32).min(1.0)
+    }
+}
+
+/// The targets, in one place to ask after every step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub triangles: usize,
+    pub vertices: usize,
+    pub bytes: Option<(usize, usize)>,
+    pub error: f32,
+}
+
+impl Limits {
+    pub fn new(targets: &[Target], input_triangles: usize) -> Result<Self, OptionError> {
+        let mut limits = Self { triangles: 0, vertices: 0, bytes: None, error: f32::INFINITY };
+        let bad = |option, value, expected| Err(OptionError::OutOfRange { option, value, expected });
+        for &target in targets {
+            match target {
+                Target::Triangles(n) => limits.triangles = limits.triangles.max(n),
+                Target::Vertices(n) => limits.vertices = limits.vertices.max(n),
+                Target::Ratio(r) if !(0.0..=1.0).contains(&r) => return bad("ratio", r, "0 to 1"),
+                Target::Ratio(r) => {
+                    limits.triangles = limits.triangles.max((input_triangles as f64 * r).floor() as usize);
+                }
+                Target::Error(e) if e.is_nan() || e < 0.0 => return bad("error", f64::from(e), "0 or more"),
+                Target::Error(e) => limits.error = limits.error.min(e),
+                Target::Bytes { bytes, per_vertex } => limits.bytes = Some((bytes, per_vertex)),
+            }
+        }
+        Ok(limits)
+    }
+
+    /// Whether a mesh of this size is small enough.
+    #[inline]
+    pub fn reached(&self, triangles: usize, vertices: usize) -> bool {
+        triangles <= self.triangles
+            || vertices <= self.vertices
+            || self.bytes.is_some_and(|(bytes, per_vertex)| triangles * 12 + vertices * per_vertex <= bytes)
+    }
+}

@@ -1,0 +1,442 @@
+//! Which collapses are legal: small rules that are asked one after the other, each counting what it refuses.
+//!
+//! Whatever the rules let through, the result stays a valid mesh (it is an image of the input's triangles). The rules
+//! decide whether it is a *good* one: same topology, no flipped triangles, seams and borders in place.
+
+use glam::Vec3;
+
+use crate::mesh::NONE;
+
+use super::metric::Pair;
+use super::surface::{Surface, kind};
+
+/// A collapse that an oracle is asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Collapse {
+    /// Who is merged into whom.
+    pub pair: Pair,
+    /// Where the merged point would lie, inner frame.
+    pub position: [f32; 3],
+}
+
+impl Collapse {
+    /// Whether the kept point stays where it is.
+    pub fn keeps_position(&self, surface: &Surface) -> bool {
+        surface.position(self.pair.kept) == self.position
+    }
+
+    /// The same collapse seen from the kept point.
+    fn reversed(&self) -> Self {
+        Self { pair: Pair { lost: self.pair.kept, kept: self.pair.lost }, position: self.position }
+    }
+}
+
+/// A rule that says which collapses are legal.
+pub trait Oracle: Send + Sync {
+    /// The name under which refusals are counted.
+    fn name(&self) -> &str;
+
+    /// Whether the collapse may be done.
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool;
+}
+
+/// The rules that a simplification starts with, in the order they are asked: cheap ones first.
+pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
+    vec![
+        Box::new(Locks),
+        Box::new(Borders::Slide),
+        Box::new(NonManifold::Slide),
+        Box::new(Seams),
+        Box::new(Materials),
+        Box::new(LinkCondition),
+        Box::new(NormalFlip::default()),
+        Box::new(TriangleQuality::default()),
+    ]
+}
+
+/// Locked vertices neither move nor go.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Locks;
+
+impl Oracle for Locks {
+    fn name(&self) -> &str {
+        "locks"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        !surface.is_locked(collapse.pair.lost)
+            && (!surface.is_locked(collapse.pair.kept) || collapse.keeps_position(surface))
+    }
+}
+
+/// What open borders may do.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Borders {
+    /// A border point moves along its border only, so borders are simplified but never leave themselves.
+    #[default]
+    Slide,
+    /// Border points stay as they are: for tiles that must fit their neighbours.
+    Locked,
+}
+
+impl Oracle for Borders {
+    fn name(&self) -> &str {
+        "border"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        let slide = *self == Self::Slide;
+        stays_on_curve(surface, collapse, kind::BORDER, slide)
+    }
+}
+
+/// What non-manifold edges and vertices may do.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NonManifold {
+    /// Points on a non-manifold edge move along that edge only; points where several fans or edges meet stay.
+    #[default]
+    Slide,
+    /// Non-manifold points stay as they are.
+    Locked,
+}
+
+impl Oracle for NonManifold {
+    fn name(&self) -> &str {
+        "non-manifold"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        let slide = *self == Self::Slide;
+        stays_on_curve(surface, collapse, kind::NON_MANIFOLD, slide)
+    }
+}
+
+/// Borders between materials move along themselves only.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Materials;
+
+impl Oracle for Materials {
+    fn name(&self) -> &str {
+        "material"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        stays_on_curve(surface, collapse, kind::MATERIAL, true)
+    }
+}
+
+/// Seams and creases move along themselves only, and every wedge has exactly one to go to.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seams;
+
+impl Oracle for Seams {
+    fn name(&self) -> &str {
+        "seam"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        if !surface.has_seams() {
+            return true;
+        }
+        stays_on_curve(surface, collapse, kind::SEAM, true)
+            && (surface.edge_kind(collapse.pair.lost, collapse.pair.kept).is_none()
+                || WedgeMap::new(surface, collapse.pair).is_complete())
+    }
+}
+
+/// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
+fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+    let slides = |pair: Pair| {
+        let bits = surface.kind(pair.lost);
+        if bits & bit == 0 {
+            return true;
+        }
+        match surface.edge_kind(pair.lost, pair.kept) {
+            // Without an edge two parts are being joined on purpose.
+            None => slide,
+            Some(edge) => slide && bits & kind::CURVE != 0 && edge == bits & kind::FEATURE,
+        }
+    };
+    let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
+    either & bit == 0
+        || (slides(collapse.pair) && (collapse.keeps_position(surface) || slides(collapse.reversed().pair)))
+}
+
+/// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
+///
+/// ```text
+///          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
+///      a  /  \ c             The triangles on the edge say a -> c and b -> d.
+///   lost ====== kept
+///      b  \  / d             A wedge without a triangle on the edge, or with two different ones, has nowhere
+///          w2                to go: then the collapse would tear or smear the seam.
+/// ```
+#[derive(Debug, Clone, Default)]
+pub(crate) struct WedgeMap {
+    /// `[from, to]`; a fixed few suffice for legal collapses, more are only counted.
+    pairs: [[u32; 2]; 8],
+    len: usize,
+    complete: bool,
+}
+
+impl WedgeMap {
+    /// The map of a pair joined by an edge.
+    pub fn new(surface: &Surface, pair: Pair) -> Self {
+        let mut map = Self { complete: true, ..Self::default() };
+        for corner in surface.star(pair.lost) {
+            let Some(side) = corner.others.iter().position(|&o| o == pair.kept) else { continue };
+            let vertices = surface.corner_vertices(corner.triangle);
+            let from = vertices[corner.slot as usize];
+            let to = vertices[(corner.slot as usize + 1 + side) % 3];
+            match map.get(from) {
+                Some(known) => map.complete &= known == to,
+                None => map.push(from, to),
+            }
+        }
+        for corner in surface.star(pair.lost) {
+            let from = surface.corner_vertices(corner.triangle)[corner.slot as usize];
+            map.complete &= map.get(from).is_some();
+        }
+        map
+    }
+
+    /// Whether every wedge has exactly one to go to.
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Where a wedge goes.
+    pub fn get(&self, from: u32) -> Option<u32> {
+        self.pairs().iter().find(|pair| pair[0] == from).map(|pair| pair[1])
+    }
+
+    /// All `[from, to]`.
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs[..self.len]
+    }
+
+    fn push(&mut self, from: u32, to: u32) {
+        if self.len < self.pairs.len() {
+            self.pairs[self.len] = [from, to];
+            self.len += 1;
+        } else {
+            self.complete = false;
+        }
+    }
+}
+
+/// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1 in the reading that the only
+/// points adjacent to both ends are the third corners of the edge's own triangles).
+///
+/// A pair without an edge (see [`Simplifier::join_distance`](super::Simplifier::join_distance)) is allowed where the
+/// two points have no neighbour in common: it joins two parts on purpose.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LinkCondition;
+
+impl Oracle for LinkCondition {
+    fn name(&self) -> &str {
+        "link"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        let Pair { lost, kept } = collapse.pair;
+        // The third corners of the edge's triangles; each must be a different point.
+        let mut thirds = [0u32; 8];
+        let mut count = 0;
+        for corner in surface.star(lost) {
+            let [a, b] = corner.others;
+            let third = if a == kept {
+                b
+            } else if b == kept {
+                a
+            } else {
+                continue;
+            };
+            if count == thirds.len() || thirds[..count].contains(&third) {
+                return false;
+            }
+            thirds[count] = third;
+            count += 1;
+        }
+        let thirds = &thirds[..count];
+        let is_near = Neighbourhood::new(surface, kept);
+        let mut survives = false;
+        for corner in surface.star(lost) {
+            let [a, b] = corner.others;
+            if a == kept || b == kept {
+                continue;
+            }
+            survives = true;
+            let (near_a, near_b) = (is_near.contains(a), is_near.contains(b));
+            if near_a && !thirds.contains(&a) || near_b && !thirds.contains(&b) {
+                return false;
+            }
+            // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
+            if near_a && near_b && has_triangle(surface, kept, a, b) {
+                return false;
+            }
+        }
+        if count != 1 && count != 0 && surface.is_border(lost) && surface.is_border(kept) {
+            // Two borders would meet in a point.
+            return false;
+        }
+        // Where nothing of the star survives, every edge left behind must hang on another triangle.
+        survives || thirds.iter().all(|&third| edge_count(surface, kept, third) > 1)
+    }
+}
+
+fn edge_count(surface: &Surface, u: u32, v: u32) -> usize {
+    surface.star(u).filter(|corner| corner.others.contains(&v)).count()
+}
+
+fn has_triangle(surface: &Surface, point: u32, a: u32, b: u32) -> bool {
+    surface.star(point).any(|corner| corner.others == [a, b] || corner.others == [b, a])
+}
+
+/// Tells neighbours of a point: from a short list of fixed length (which compares in a few vector instructions), or
+/// for a hub from the other's side.
+struct Neighbourhood<'a> {
+    surface: &'a Surface,
+    point: u32,
+    list: [u32; 16],
+    listed: bool,
+}
+
+impl<'a> Neighbourhood<'a> {
+    #[inline]
+    fn new(surface: &'a Surface, point: u32) -> Self {
+        let mut list = [NONE; 16];
+        let mut count = 0;
+        surface.for_neighbours(point, |n| {
+            list[count & 15] = n;
+            count += 1;
+        });
+        Self { surface, point, list, listed: count <= 16 }
+    }
+
+    #[inline]
+    fn contains(&self, other: u32) -> bool {
+        if self.listed { self.list.iter().fold(false, |any, &n| any | (n == other)) } else { self.search(other) }
+    }
+
+    #[cold]
+    fn search(&self, other: u32) -> bool {
+        let (from, to) = if self.surface.valence(other) <= self.surface.valence(self.point) {
+            (other, self.point)
+        } else {
+            (self.point, other)
+        };
+        self.surface.star(from).any(|corner| corner.others.contains(&to))
+    }
+}
+
+/// Refuses collapses that turn a triangle's normal by more than an angle.
+#[derive(Debug, Clone, Copy)]
+pub struct NormalFlip {
+    cos: f32,
+}
+
+impl Default for NormalFlip {
+    /// 75 degrees.
+    fn default() -> Self {
+        Self::degrees(75.0)
+    }
+}
+
+impl NormalFlip {
+    /// Normals may turn by at most this many degrees, 0 to 180 (clamped), in one collapse.
+    pub fn degrees(angle: f32) -> Self {
+        let angle = if angle.is_nan() { 75.0 } else { angle.clamp(0.0, 180.0) };
+        Self { cos: (f64::from(angle).to_radians().cos()) as f32 }
+    }
+}
+
+impl Oracle for NormalFlip {
+    fn name(&self) -> &str {
+        "normal flip"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        for_changed(surface, collapse, |_, old, new| {
+            let (n0, n1) = (old.cross(), new.cross());
+            let (dot, lengths) = (n0.dot(n1), n0.length_squared() * n1.length_squared());
+            // dot > cos * |n0| |n1|, squared with its sign. A triangle without area has no side to flip to.
+            dot * dot.abs() > self.cos * self.cos.abs() * lengths || n0.length_squared() <= f32::MIN_POSITIVE
+        })
+    }
+}
+
+/// Refuses collapses that make needles: the thinnest new triangle must reach `least`, or at least not be thinner than
+/// the thinnest it replaces.
+///
+/// The measure is `4 sqrt(3) area / (sum of squared sides)`: 1 for an equilateral triangle, 0 for one without area.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleQuality {
+    least: f32,
+}
+
+impl Default for TriangleQuality {
+    /// 0.01.
+    fn default() -> Self {
+        Self { least: 0.01 }
+    }
+}
+
+impl TriangleQuality {
+    /// New triangles must reach this quality, 0 (anything) to 1 (equilateral only).
+    pub fn at_least(least: f32) -> Self {
+        Self { least }
+    }
+}
+
+impl Oracle for TriangleQuality {
+    fn name(&self) -> &str {
+        "triangle quality"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        for_changed(surface, collapse, |_, old, new| {
+            let quality = new.quality();
+            quality >= self.least || quality >= old.quality() && quality > 1e-4
+        })
+    }
+}
+
+/// Three corners, as an oracle sees them before or after a collapse.
+#[derive(Debug, Clone, Copy)]
+struct Facet([Vec3; 3]);
+
+impl Facet {
+    #[inline]
+    fn cross(&self) -> Vec3 {
+        (self.0[1] - self.0[0]).cross(self.0[2] - self.0[0])
+    }
+
+    #[inline]
+    fn quality(&self) -> f32 {
+        let [a, b, c] = self.0;
+        let sides = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
+        if sides > 0.0 { 2.0 * 3f32.sqrt() * self.cross().length() / sides } else { 0.0 }
+    }
+}
+
+/// Whether `check(triangle, before, after)` holds for every surviving triangle that the collapse changes.
+#[inline]
+fn for_changed(surface: &Surface, collapse: &Collapse, mut check: impl FnMut(u32, Facet, Facet) -> bool) -> bool {
+    let x = Vec3::from(collapse.position);
+    let Pair { lost, kept } = collapse.pair;
+    let mut around = |point: u32, other: u32| {
+        let p = surface.at(point);
+        surface.star(point).all(|corner| {
+            let [a, b] = corner.others;
+            if a == other || b == other {
+                return true;
+            }
+            let (a, b) = (surface.at(a), surface.at(b));
+            check(corner.triangle, Facet([p, a, b]), Facet([x, a, b]))
+        })
+    };
+    around(lost, kept) && (collapse.keeps_position(surface) || around(kept, lost))
+}

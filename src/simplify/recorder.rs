@@ -1,0 +1,244 @@
+//! Writes down what each collapse does to vertices and triangles, as the [`CollapseSequence`] wants it.
+
+use crate::mesh::{Mesh, NONE, Topology};
+
+use super::metric::Pair;
+use super::oracle::WedgeMap;
+use super::report::SimplifyReport;
+use super::sequence::{CollapseSequence, NewVertex};
+use super::surface::Surface;
+
+/// The sequence as it grows.
+pub(super) struct Recorder {
+    input_vertices: u32,
+    new_vertices: Vec<NewVertex>,
+    aliases: Vec<[u32; 2]>,
+    substitutions: Vec<[u32; 2]>,
+    step_start: Vec<u32>,
+    step_error: Vec<f32>,
+    triangles_after: Vec<u32>,
+    triangle_end: Vec<u32>,
+    batch_end: Vec<u32>,
+    live_vertices: usize,
+    /// Wedges of every point (start offsets and vertices); empty where every point has one.
+    wedge_start: Vec<u32>,
+    wedges: Vec<u32>,
+    /// The wedges of points that were given new vertices, instead of those: first in a chain, and the next.
+    renewed: Vec<u32>,
+    next_new: Vec<u32>,
+}
+
+impl Recorder {
+    pub fn new(mesh: &Mesh, topology: &Topology, surface: &Surface) -> Self {
+        let wedge_of = topology.wedge_of();
+        let aliases = (0..wedge_of.len() as u32).filter(|&v| wedge_of[v as usize] != v).map(|v| [v, wedge_of[v as usize]]);
+        let mut used = vec![false; wedge_of.len()];
+        for t in 0..surface.triangle_count() as u32 {
+            if surface.triangle(t).is_some() {
+                surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
+            }
+        }
+        let (wedge_start, wedges) =
+            if surface.has_seams() { wedge_lists(topology, &used) } else { (Vec::new(), Vec::new()) };
+        let end = |t: usize| if surface.triangle(t as u32).is_some() { NONE } else { 0 };
+        let steps = surface.point_count();
+        let mut step_start = Vec::with_capacity(steps + 1);
+        step_start.push(0);
+        let mut triangles_after = Vec::with_capacity(steps + 1);
+        triangles_after.push(surface.live_triangles() as u32);
+        Self {
+            input_vertices: wedge_of.len() as u32,
+            new_vertices: Vec::new(),
+            aliases: aliases.collect(),
+            substitutions: Vec::with_capacity(steps),
+            step_start,
+            step_error: Vec::with_capacity(steps),
+            triangles_after,
+            triangle_end: (0..mesh.triangles().len()).map(end).collect(),
+            batch_end: Vec::new(),
+            live_vertices: used.iter().filter(|&&u| u).count(),
+            wedge_start,
+            wedges,
+            renewed: Vec::new(),
+            next_new: Vec::new(),
+        }
+    }
+
+    pub fn steps(&self) -> usize {
+        self.step_error.len()
+    }
+
+    /// Vertices so far, input and new.
+    pub fn vertex_count(&self) -> usize {
+        self.input_vertices as usize + self.new_vertices.len()
+    }
+
+    pub fn live_vertices(&self) -> usize {
+        self.live_vertices
+    }
+
+    /// The substitutions of merging `pair`, asked before the surface changes: `renew` is the new position (object
+    /// units) and the share of `kept` in blends, or `None` where `kept` stays as it is. O(wedges).
+    pub fn substitute(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
+        let (substituted, made) = (self.substitutions.len(), self.new_vertices.len());
+        if self.wedge_start.is_empty() {
+            let (a, b) = (surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
+            self.merge(a, b, renew);
+        } else {
+            self.substitute_wedges(surface, pair, renew);
+        }
+        self.live_vertices += self.new_vertices.len() - made;
+        self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - substituted);
+    }
+
+    fn merge(&mut self, a: u32, b: u32, renew: Option<([f32; 3], f32)>) {
+        match renew {
+            None => self.substitutions.push([a, b]),
+            Some((position, weight)) => {
+                let n = self.input_vertices + self.new_vertices.len() as u32;
+                self.new_vertices.push(NewVertex { from: [a, b], weight, position });
+                self.substitutions.push([a, n]);
+                if b != a {
+                    self.substitutions.push([b, n]);
+                }
+            }
+        }
+    }
+
+    fn substitute_wedges(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
+        let map = WedgeMap::new(surface, pair);
+        let lost = self.wedges_of(pair.lost);
+        let kept = self.wedges_of(pair.kept);
+        let Some(&anchor) = map.pairs().first().map(|p| &p[1]).or(kept.first()) else { return };
+        let first_new = self.input_vertices + self.new_vertices.len() as u32;
+        let exact = map.is_complete() || map.pairs().is_empty();
+        let target = |a: u32| if exact { map.get(a).unwrap_or(anchor) } else { anchor };
+        match renew {
+            None => {
+                for &a in &lost {
+                    self.substitutions.push([a, target(a)]);
+                }
+                if !exact {
+                    // Without a side to go to the seam ends here: all wedges become one.
+                    let others = kept.iter().filter(|&&b| b != anchor);
+                    self.substitutions.extend(others.map(|&b| [b, anchor]));
+                    self.renew(pair.kept, vec![anchor]);
+                }
+            }
+            Some((position, weight)) => {
+                let mut made = Vec::new();
+                for &b in &kept {
+                    let partner = lost.iter().copied().find(|&a| map.get(a) == Some(b) && exact).unwrap_or(b);
+                    if !exact && b != anchor {
+                        continue;
+                    }
+                    let n = self.input_vertices + self.new_vertices.len() as u32;
+                    self.new_vertices.push(NewVertex { from: [partner, b], weight, position });
+                    self.substitutions.push([b, n]);
+                    made.push([b, n]);
+                }
+                let new_of = |b: u32| made.iter().find(|m| m[0] == b).map_or(first_new, |m| m[1]);
+                for &b in kept.iter().filter(|b| made.iter().all(|m| m[0] != **b)) {
+                    self.substitutions.push([b, new_of(anchor)]);
+                }
+                for &a in &lost {
+                    self.substitutions.push([a, new_of(target(a))]);
+                }
+                self.renew(pair.kept, made.iter().map(|m| m[1]).collect());
+            }
+        }
+    }
+
+    /// What the substitutions recorded last make of a vertex.
+    pub fn image(&self, vertex: u32, first: usize) -> u32 {
+        self.substitutions[first..].iter().find(|s| s[0] == vertex).map_or(vertex, |s| s[1])
+    }
+
+    /// Number of substitutions so far.
+    pub fn mark(&self) -> usize {
+        self.substitutions.len()
+    }
+
+    /// The vertices that sit at a point now.
+    fn wedges_of(&self, point: u32) -> Vec<u32> {
+        if let Some(&first) = self.renewed.get(point as usize).filter(|&&first| first != NONE) {
+            let chain = std::iter::successors(Some(first), |&i| Some(self.next_new[i as usize + 1]).filter(|&n| n != NONE));
+            return chain.map(|i| self.next_new[i as usize]).collect();
+        }
+        let [a, b] = [point as usize, point as usize + 1].map(|i| self.wedge_start[i] as usize);
+        self.wedges[a..b].to_vec()
+    }
+
+    fn renew(&mut self, point: u32, vertices: Vec<u32>) {
+        if self.renewed.is_empty() {
+            self.renewed = vec![NONE; self.wedge_start.len() - 1];
+        }
+        let mut next = NONE;
+        for &v in vertices.iter().rev() {
+            self.next_new.extend([v, next]);
+            next = self.next_new.len() as u32 - 2;
+        }
+        self.renewed[point as usize] = next;
+    }
+
+    /// Ends the step: what it cost and what vanished.
+    pub fn finish_step(&mut self, error: f32, dead: &[u32], live: usize) {
+        self.step_error.push(error);
+        self.step_start.push(self.substitutions.len() as u32);
+        self.triangles_after.push(live as u32);
+        let end = self.step_error.len() as u32;
+        dead.iter().for_each(|&t| self.triangle_end[t as usize] = end);
+    }
+
+    /// Ends the batch, if anything was done in it.
+    pub fn finish_batch(&mut self) -> bool {
+        let steps = self.steps() as u32;
+        let any = steps > self.batch_end.last().copied().unwrap_or(0);
+        if any {
+            self.batch_end.push(steps);
+        }
+        any
+    }
+
+    pub fn finish(self, report: SimplifyReport) -> CollapseSequence {
+        let mut max_error = self.step_error.clone();
+        let mut largest: f32 = 0.0;
+        for e in &mut max_error {
+            largest = largest.max(*e);
+            *e = largest;
+        }
+        CollapseSequence {
+            input_vertices: self.input_vertices,
+            new_vertices: self.new_vertices,
+            aliases: self.aliases,
+            substitutions: self.substitutions,
+            step_start: self.step_start,
+            step_error: self.step_error,
+            max_error,
+            triangles_after: self.triangles_after,
+            triangle_end: self.triangle_end,
+            batch_end: self.batch_end,
+            report,
+        }
+    }
+}
+
+/// The used wedges of every point: offsets and vertices, by counting.
+fn wedge_lists(topology: &Topology, used: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let wedges = || (0..used.len()).filter(|&v| used[v]);
+    let mut start = vec![0u32; topology.point_count() + 1];
+    for v in wedges() {
+        start[topology.point_of()[v] as usize + 1] += 1;
+    }
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut fill = start.clone();
+    let mut list = vec![0; start[start.len() - 1] as usize];
+    for v in wedges() {
+        let at = &mut fill[topology.point_of()[v] as usize];
+        list[*at as usize] = v as u32;
+        *at += 1;
+    }
+    (start, list)
+}

@@ -1,0 +1,147 @@
+//! The front door: options, and one call that makes the sequence.
+
+use std::ops::ControlFlow;
+
+use crate::mesh::Mesh;
+
+use super::engine::Engine;
+use super::metric::{ErrorMetric, Quadric};
+use super::options::{Limits, OptionError, Order, Progress, Target};
+use super::oracle::{Oracle, default_oracles};
+use super::placement::Placement;
+use super::sequence::CollapseSequence;
+
+/// Simplifies meshes: pluggable metric, placement, order and oracles.
+///
+/// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
+///
+/// # The error
+/// The bound that the sequence gives for each step, in object units, is an upper bound on the Hausdorff distance
+/// between input and level of detail, in both directions, as long as no parts are joined and faces do not wind around
+/// a point more than once: each triangle carries the bound of the surface it replaced plus how far the collapse moved
+/// that (see `deviation.rs`). It is an upper bound, not an estimate: typically 2 to 4 times the measured distance.
+///
+/// # Determinism
+/// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
+///
+/// # Cost
+/// O(n) expected time for bounded valence; around 200 bytes a point while it runs.
+pub struct Simplifier<M = Quadric> {
+    metric: M,
+    placement: Placement,
+    order: Order,
+    oracles: Vec<Box<dyn Oracle>>,
+    targets: Vec<Target>,
+    join_distance: f32,
+}
+
+impl Default for Simplifier {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Simplifier {
+    /// A simplifier with the defaults.
+    pub fn new() -> Self {
+        Self {
+            metric: Quadric::new(),
+            placement: Placement::default(),
+            order: Order::default(),
+            oracles: default_oracles(),
+            targets: Vec::new(),
+            join_distance: 0.0,
+        }
+    }
+}
+
+impl<M: ErrorMetric> Simplifier<M> {
+    /// What a collapse costs. Default: [`Quadric`].
+    #[must_use]
+    pub fn metric<N: ErrorMetric>(self, metric: N) -> Simplifier<N> {
+        let Self { placement, order, oracles, targets, join_distance, .. } = self;
+        Simplifier { metric, placement, order, oracles, targets, join_distance }
+    }
+
+    /// Where the merged vertex goes. Default: [`Placement::Endpoint`].
+    #[must_use]
+    pub fn placement(mut self, placement: Placement) -> Self {
+        self.placement = placement;
+        self
+    }
+
+    /// In which order collapses are done. Default: [`Order::Linear`].
+    #[must_use]
+    pub fn order(mut self, order: Order) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// One more rule, asked after those already there.
+    #[must_use]
+    pub fn oracle(mut self, oracle: impl Oracle + 'static) -> Self {
+        // A rule of the same name takes the old one's place.
+        match self.oracles.iter().position(|o| o.name() == oracle.name()) {
+            Some(at) => self.oracles[at] = Box::new(oracle),
+            None => self.oracles.push(Box::new(oracle)),
+        }
+        self
+    }
+
+    /// These rules instead of the default ones.
+    #[must_use]
+    pub fn oracles(mut self, oracles: Vec<Box<dyn Oracle>>) -> Self {
+        self.oracles = oracles;
+        self
+    }
+
+    /// One more target; the first one reached stops. Default: none, down to the base mesh.
+    #[must_use]
+    pub fn target(mut self, target: Target) -> Self {
+        self.targets.push(target);
+        self
+    }
+
+    /// Lets points that no edge joins be merged when they are at most this far apart (object units), so that separate
+    /// parts may grow together (TOM 4.1). Default 0: never.
+    #[must_use]
+    pub fn join_distance(mut self, distance: f32) -> Self {
+        self.join_distance = distance;
+        self
+    }
+
+    /// Simplifies a mesh.
+    ///
+    /// # Errors
+    /// An option outside its range. Any mesh is legal.
+    pub fn run(&mut self, mesh: &Mesh) -> Result<CollapseSequence, OptionError> {
+        self.run_with(mesh, |_| ControlFlow::Continue(()))
+    }
+
+    /// Simplifies a mesh and tells how far it is every few thousand steps. Where `progress` breaks, the sequence ends
+    /// there and is usable up to there.
+    ///
+    /// # Errors
+    /// An option outside its range.
+    pub fn run_with(
+        &mut self,
+        mesh: &Mesh,
+        mut progress: impl FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<CollapseSequence, OptionError> {
+        let limits = Limits::new(&self.targets, mesh.triangles().len())?;
+        if self.join_distance.is_nan() || self.join_distance < 0.0 {
+            let value = f64::from(self.join_distance);
+            return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
+        }
+        let engine = Engine::new(
+            mesh,
+            &mut self.metric,
+            self.placement,
+            self.order,
+            &self.oracles,
+            limits,
+            self.join_distance,
+        );
+        Ok(engine.run(&mut progress))
+    }
+}
