@@ -416,6 +416,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if joins || shifts_features {
             self.surface.reclassify_around(pair.kept);
         }
+        self.metric.collapsed(&self.surface, pair);
         self.witnesses.commit(&self.surface, pair, &self.dead, &self.changed, moves);
         self.error = self.error.max(bound);
         let error = self.surface.frame().object_length(bound);
