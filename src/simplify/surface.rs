@@ -242,6 +242,12 @@ impl Surface {
         self.stars.of(point).iter().map(|&entry| self.corner(entry))
     }
 
+    /// The triangles around a point alone, in the same order.
+    #[inline]
+    pub(crate) fn star_triangles(&self, point: u32) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
+        self.stars.of(point).iter().map(|&entry| entry >> 2)
+    }
+
     #[inline]
     fn corner(&self, entry: u32) -> Corner {
         let (triangle, slot) = (entry >> 2, (entry & 3) as usize);

@@ -14,8 +14,8 @@
 use glam::{DVec3, Vec3};
 
 use super::region::{at, finite, for_border_edges, for_region};
-use super::solve::{Constraints, Symmetric};
-use super::stars::{Stars, Sum, by_area_squared};
+use super::solve::{Constraints, Symmetric, minimise_on_plane};
+use super::stars::{Stars, Sum, Weight};
 use super::{Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
@@ -35,7 +35,7 @@ pub struct LindstromTurk {
 
 impl Default for LindstromTurk {
     fn default() -> Self {
-        Self { stars: Stars::new(by_area_squared, 0.0) }
+        Self { stars: Stars::new(Weight::Volume, 0.0) }
     }
 }
 
@@ -87,7 +87,7 @@ impl Border {
             border.s += s;
             // |s - x * e|^2 = x'(|e|^2 - ee')x - 2 (e * s).x + |s|^2
             border.h.add(&Symmetric::identity(e.length_squared()));
-            border.h.add_outer(e, -1.0);
+            border.h.subtract_outer(e);
             border.c += e.cross(s);
             border.constant += s.length_squared();
         });
@@ -118,13 +118,18 @@ impl ErrorMetric for LindstromTurk {
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         let (sum, border) = self.region(surface, pair);
+        let origin = at(surface, pair.lost);
+        if border.is_none()
+            && let Some(x) = minimise_on_plane(&sum.h, sum.c, sum.normals, sum.offset)
+        {
+            return Some(((origin + x).as_vec3().into(), finite(sum.at(x) * SCALE)));
+        }
         let mut constraints = Constraints::default();
         constraints.add(sum.normals, sum.offset);
         if let Some(border) = border {
             border.preserve(&mut constraints);
         }
         constraints.minimise(&sum.h, sum.c);
-        let origin = at(surface, pair.lost);
         if !constraints.is_full() {
             let mut around = DVec3::ZERO;
             let mut count = 0.0;

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::region::{at, finite};
 use super::solve::nearest_minimum;
-use super::stars::{Stars, Sum, by_area};
+use super::stars::{Stars, Sum, Weight};
 use super::{Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
@@ -23,7 +23,7 @@ pub struct MemorylessQuadric {
 
 impl Default for MemorylessQuadric {
     fn default() -> Self {
-        Self { stars: Stars::new(by_area, UPRIGHT) }
+        Self { stars: Stars::new(Weight::Area, UPRIGHT) }
     }
 }
 

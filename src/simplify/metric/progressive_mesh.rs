@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 
 use super::region::{at, finite, for_region};
 use super::solve::{Symmetric, nearest_minimum};
-use super::stars::{Stars, Sum, equally};
+use super::stars::{Stars, Sum, Weight};
 use super::{Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
@@ -30,7 +30,7 @@ pub struct ProgressiveMeshMetric {
 impl Default for ProgressiveMeshMetric {
     /// kappa = 1e-3.
     fn default() -> Self {
-        Self { stars: Stars::new(equally, UPRIGHT), kappa: 1e-3, schedule: None }
+        Self { stars: Stars::new(Weight::One, UPRIGHT), kappa: 1e-3, schedule: None }
     }
 }
 

@@ -124,7 +124,7 @@ fn least_volume(surface: &Surface, pair: Pair) -> Vec3 {
     let (mut h, mut gradient) = (Symmetric::ZERO, DVec3::ZERO);
     for_region(surface, pair, |facet| {
         let n = facet.cross();
-        h.add_outer(n, 1.0);
+        h.add_outer(n);
         gradient += n * n.dot(middle - (facet.p - origin));
     });
     (origin + middle + nearest_minimum(&h, gradient)).as_vec3()

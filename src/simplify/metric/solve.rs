@@ -18,12 +18,18 @@ impl Symmetric {
         Self([diagonal, diagonal, diagonal, 0.0, 0.0, 0.0])
     }
 
-    /// Adds `weight * n n'`.
+    /// Adds `n n'`.
     #[inline]
-    pub fn add_outer(&mut self, n: DVec3, weight: f64) {
-        let w = n * weight;
-        let terms = [w.x * n.x, w.y * n.y, w.z * n.z, w.x * n.y, w.x * n.z, w.y * n.z];
+    pub fn add_outer(&mut self, n: DVec3) {
+        let terms = [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z];
         self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+    }
+
+    /// Takes `n n'` away.
+    #[inline]
+    pub fn subtract_outer(&mut self, n: DVec3) {
+        let terms = [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z];
+        self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum -= term);
     }
 
     /// Adds another.
@@ -154,4 +160,35 @@ impl Constraints {
         let x = (self.b[0] * b.cross(c) + self.b[1] * c.cross(a) + self.b[2] * ab) / ab.dot(c);
         x.is_finite().then_some(x)
     }
+}
+
+/// The point that minimises `x'Hx - 2 c'x` on the plane `n . x = d`, where all conditions are compatible: what
+/// [`Constraints`] finds from `add(n, d)` and `minimise(h, c)`, without normalising anything. `None` where one is not.
+#[inline]
+pub(super) fn minimise_on_plane(h: &Symmetric, c: DVec3, n: DVec3, d: f64) -> Option<DVec3> {
+    let n2 = n.length_squared();
+    // Two directions in the plane, of any length.
+    let q = if n.x.abs() < n.z.abs() { DVec3::new(0.0, -n.z, n.y) } else { DVec3::new(-n.y, n.x, 0.0) };
+    let r = n.cross(q);
+    let (hq, hr) = (h.times(q), h.times(r));
+    let (q2, r2) = (q.length_squared(), r.length_squared());
+    let (qq, qr, rr) = (q.dot(hq), q.dot(hr), r.dot(hr));
+    // The first row's part in the plane, and the area that both span there (both as lengths in units of q and r).
+    let first = qq * qq * r2 + qr * qr * q2;
+    let determinant = qq * rr - qr * qr;
+    let (hq2, hr2) = (hq.length_squared(), hr.length_squared());
+    let noise = (h.trace() * NOISE).powi(2);
+    let compatible = n2 > f64::MIN_POSITIVE
+        && first > SIN2 * hq2 * q2 * r2
+        && determinant * determinant > SIN2 * first * hr2
+        && hq2 > noise * q2
+        && hr2 > noise * r2;
+    if !compatible {
+        return None;
+    }
+    let start = n * (d / n2);
+    let rest = c - h.times(start);
+    let (a, b) = (q.dot(rest), r.dot(rest));
+    let x = start + (q * (a * rr - b * qr) + r * (b * qq - a * qr)) / determinant;
+    x.is_finite().then_some(x)
 }
