@@ -11,8 +11,11 @@ pub(crate) struct Contender {
     pub name: &'static str,
     /// Simplifies the mesh to at most that many triangles (fewer are fine, more are reported as such). Everything a
     /// user of the simplifier has to pay for belongs inside, from plain arrays to plain arrays.
-    pub run: fn(&Mesh, usize) -> Result<Output, Box<dyn Error>>,
+    pub run: fn(&Mesh, usize) -> Outcome,
 }
+
+/// What a contender returns, or why it could not.
+pub(crate) type Outcome = Result<Output, Box<dyn Error>>;
 
 /// What a contender hands over, in its own form: turning it into a mesh is not timed.
 pub(crate) enum Output {
@@ -53,8 +56,8 @@ impl Output {
     pub(crate) fn into_mesh(self, input: &Mesh) -> Result<Mesh, Box<dyn Error>> {
         match self {
             Self::Indices(indices) => {
-                let (triangles, _) = indices.as_chunks::<3>();
-                crate::input::compact(input.positions(), triangles.to_vec())
+                let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+                crate::input::compact(input.positions(), triangles)
             }
             Self::Mesh(mesh) => Ok(mesh),
         }
@@ -62,7 +65,7 @@ impl Output {
 }
 
 /// `meshopt_simplify`: half-edge collapses onto existing vertices; no limit on the error, so the count decides.
-fn meshopt(mesh: &Mesh, triangles: usize) -> Result<Output, Box<dyn Error>> {
+fn meshopt(mesh: &Mesh, triangles: usize) -> Outcome {
     let bytes = meshopt::typed_to_bytes(mesh.positions());
     let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)?;
     let simple =

@@ -6,6 +6,9 @@ use std::path::Path;
 
 use multires::mesh::{Mesh, Topology};
 
+/// Positions and triangles, unchecked.
+pub(crate) type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
 /// A named mesh.
 pub(crate) struct Input {
     pub name: String,
@@ -71,7 +74,7 @@ fn bumpy(p: [f64; 3]) -> [f32; 3] {
 }
 
 /// A grid of quads over the unit square, each cut in two.
-fn patch(grid: u32, place: impl Fn(f64, f64) -> [f32; 3]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+fn patch(grid: u32, place: impl Fn(f64, f64) -> [f32; 3]) -> Soup {
     let row = grid + 1;
     let at = |i: u32| f64::from(i) / f64::from(grid);
     let positions = (0..row * row).map(|i| place(at(i % row), at(i / row))).collect();

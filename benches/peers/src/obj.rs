@@ -1,10 +1,12 @@
 //! The positions and faces of a Wavefront OBJ text; polygons are cut into fans, everything else is skipped.
 
+use crate::input::Soup;
+
 /// Positions and triangles.
 ///
 /// # Errors
 /// The line that does not parse, or that names a vertex that does not exist so far (`f` lines may not look ahead).
-pub(crate) fn read(text: &str) -> Result<(Vec<[f32; 3]>, Vec<[u32; 3]>), String> {
+pub(crate) fn read(text: &str) -> Result<Soup, String> {
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut triangles = Vec::new();
     let mut corners: Vec<u32> = Vec::new();

@@ -1,5 +1,7 @@
 //! PLY, as far as the measurements need it: reads positions and faces (ascii, little and big endian), writes binary.
 
+use crate::input::Soup;
+
 /// How the body's numbers are stored.
 #[derive(Clone, Copy, PartialEq)]
 enum Format {
@@ -33,7 +35,7 @@ struct Element {
 ///
 /// # Errors
 /// A sentence about the first thing that is wrong: the header, the end of the file, an index.
-pub(crate) fn read(bytes: &[u8]) -> Result<(Vec<[f32; 3]>, Vec<[u32; 3]>), String> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Soup, String> {
     let (format, elements, body) = header(bytes)?;
     let mut body = Body { format, rest: body };
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
