@@ -89,9 +89,9 @@ impl Triangulator {
         let mut normal = [0.0_f64; 3];
         for i in 0..points.len() {
             let (a, b) = (relative(i), relative(i + 1));
-            for axis in 0..3 {
+            for (axis, sum) in normal.iter_mut().enumerate() {
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-                normal[axis] += a[u] * b[v] - a[v] * b[u];
+                *sum += a[u] * b[v] - a[v] * b[u];
             }
         }
         let size = normal.map(f64::abs);

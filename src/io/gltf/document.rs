@@ -5,8 +5,8 @@
 //! indices are checked where they are used, none is trusted here.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::path::{Component, Path};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -196,6 +196,7 @@ pub(super) fn buffers<'a>(
     directory: Option<&Path>,
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let mut all = Vec::with_capacity(document.buffers.len());
+    let mut files = BTreeSet::new();
     for (i, buffer) in document.buffers.iter().enumerate() {
         let bytes = match &buffer.uri {
             None if i == 0 => {
@@ -207,7 +208,7 @@ pub(super) fn buffers<'a>(
             Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
                 Some(data) => decode_data(data)
                     .ok_or_else(|| ReadError::invalid(format!("buffer {i} has a damaged data URI")))?,
-                None => read_file(i, uri, buffer.byte_length, directory)?,
+                None => read_file(i, uri, buffer.byte_length, directory, &mut files)?,
             }),
         };
         if bytes.len() < buffer.byte_length {
@@ -219,8 +220,15 @@ pub(super) fn buffers<'a>(
     Ok(all)
 }
 
-/// A file beside the document or below it; one elsewhere is no business of a model's.
-fn read_file(i: usize, uri: &str, length: usize, directory: Option<&Path>) -> Result<Vec<u8>, ReadError> {
+/// A file beside the document or below it; one elsewhere is no business of a model's. Each is read once: a document
+/// that names one again and again would multiply it.
+fn read_file(
+    i: usize,
+    uri: &str,
+    length: usize,
+    directory: Option<&Path>,
+    files: &mut BTreeSet<PathBuf>,
+) -> Result<Vec<u8>, ReadError> {
     use std::io::Read;
     let unresolved =
         || ReadError::unsupported(format!("buffer {i} is at {uri:?}, which is no file beside the document"));
@@ -229,7 +237,11 @@ fn read_file(i: usize, uri: &str, length: usize, directory: Option<&Path>) -> Re
     if relative.contains(':') || !Path::new(&relative).components().all(stays) {
         return Err(unresolved());
     }
-    let path = directory.ok_or_else(unresolved)?.join(relative);
+    let relative: PathBuf = Path::new(&relative).components().filter(|c| *c != Component::CurDir).collect();
+    let path = directory.ok_or_else(unresolved)?.join(&relative);
+    if !files.insert(relative) {
+        return Err(ReadError::unsupported(format!("buffer {i} is the same file as another, {uri:?}")));
+    }
     let fail = |source| ReadError::Io { path: path.clone(), source };
     let file = std::fs::File::open(&path).map_err(fail)?;
     // The buffer's own length bounds what is read, the file's length what is reserved.

@@ -326,7 +326,7 @@ impl<'a> Builder<'a> {
         let distinct = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
         match primitive.mode {
             4 => {
-                if corners.len() % 3 != 0 {
+                if !corners.len().is_multiple_of(3) {
                     self.loose.add(mesh);
                 }
                 triangles.extend(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
