@@ -22,7 +22,8 @@ fn bits(mesh: &Mesh) -> Vec<[u32; 3]> {
 fn rich() -> Mesh {
     let positions: Vec<[f32; 3]> =
         (0..9).map(|i| [i as f32 * 0.1, (i % 2) as f32 - 1e-20, -3e38 + 1e37 * i as f32]).collect();
-    let triangles: Vec<[u32; 3]> = (0..6).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..6).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
     let floats = |width: usize, step: f32| {
         AttributeValues::Float((0..9 * width).map(|i| 0.3 + step * i as f32).collect())
     };
@@ -103,7 +104,10 @@ fn materials_come_back_with_names() {
 fn colours_that_are_no_bytes_stay_exact() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let colors = [[0.1_f32, 0.2, 0.3, 1.0], [0.0, 2.5, -1.0, 0.5], [1.0, 1.0 / 3.0, 0.5, 0.25]];
-    let mesh = Mesh::new(positions, [[0, 1, 2]]).unwrap().with_attribute(Attribute::floats("color", &colors)).unwrap();
+    let mesh = Mesh::new(positions, [[0, 1, 2]])
+        .unwrap()
+        .with_attribute(Attribute::floats("color", &colors))
+        .unwrap();
     for format in [Format::Obj, Format::Ply, Format::Off, Format::Glb] {
         assert_eq!(again(format, &mesh), mesh, "{format}");
     }
@@ -120,7 +124,8 @@ fn empty_meshes_come_back() {
 fn what_a_format_cannot_hold_is_refused() {
     let mesh = Mesh::new([[0.0; 3]], []).unwrap();
     let wide = Attribute::new("wide", 7, AttributeValues::Float(vec![0.0; 7]));
-    let error = io::write_bytes(Format::Glb, &mesh.clone().with_attribute(wide.clone()).unwrap()).unwrap_err();
+    let error =
+        io::write_bytes(Format::Glb, &mesh.clone().with_attribute(wide.clone()).unwrap()).unwrap_err();
     assert!(error.to_string().contains("\"wide\" of width 7"), "{error}");
     assert_eq!(again(Format::Ply, &mesh.clone().with_attribute(wide).unwrap()).attributes().len(), 1);
 
@@ -187,10 +192,8 @@ proptest! {
 }
 
 fn models() -> Option<PathBuf> {
-    let root = std::env::var_os("MULTIRES_MODELS").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"),
-        PathBuf::from,
-    );
+    let root = std::env::var_os("MULTIRES_MODELS")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
     root.is_dir().then_some(root)
 }
 
@@ -247,7 +250,9 @@ fn seams_of_real_models_split_vertices_next_to_each_other() {
         eprintln!("skipped: seams_of_real_models_split_vertices_next_to_each_other (no models)");
         return;
     };
-    for (file, positions, vertices) in [("real/spot.obj", 2_930, 3_225), ("subdivision/boat.obj", 16_210, 16_665)] {
+    for (file, positions, vertices) in
+        [("real/spot.obj", 2_930, 3_225), ("subdivision/boat.obj", 16_210, 16_665)]
+    {
         let mesh = io::read(root.join(file)).unwrap();
         assert_eq!(mesh.positions().len(), vertices, "{file}");
         let runs = mesh.positions().chunk_by(|a, b| a == b).count();

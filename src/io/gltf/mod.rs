@@ -232,7 +232,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Counts bytes that the result will take.
+    /// Counts bytes that the result will take: twice its size, as arrays grow by doubling.
     fn spend(&mut self, bytes: usize) -> Result<(), ReadError> {
         let left = self.budget.checked_sub(bytes as u64);
         self.budget = left
@@ -253,7 +253,7 @@ impl<'a> Builder<'a> {
             return Err(ReadError::invalid(format!("mesh {mesh} has positions that are not of type VEC3")));
         }
         let width: usize = self.streams.iter().map(|s| s.width).sum();
-        self.spend(count.saturating_mul(24 + 4 * width))?;
+        self.spend(count.saturating_mul(2 * (24 + 4 * width)))?;
         self.draft.positions.resize(base + count, [0.0; 3]);
         self.streams.iter_mut().for_each(|s| s.grow(base + count));
         self.store.values(position, |v, axis, value| self.draft.positions[base + v][axis] = value)?;
@@ -302,7 +302,7 @@ impl<'a> Builder<'a> {
                 )));
             }
             let length = self.store.count(accessor)?;
-            self.spend(length.saturating_mul(16))?;
+            self.spend(length.saturating_mul(2 * 16))?;
             corners.resize(length, 0);
             let mut beyond = None;
             self.store.values(accessor, |i, _, value| {
@@ -319,7 +319,7 @@ impl<'a> Builder<'a> {
                 return Err(ReadError::invalid(what));
             }
         } else {
-            self.spend(count.saturating_mul(16))?;
+            self.spend(count.saturating_mul(2 * 16))?;
             corners.extend((base..base + count).map(|v| v as u32));
         }
         let triangles = &mut self.draft.triangles;

@@ -4,7 +4,7 @@
 
 use super::header::{Element, Encoding, Header, Kind, Property};
 use crate::io::draft::{Draft, Tally};
-use crate::io::error::ReadError;
+use crate::io::error::{Place, ReadError};
 use crate::io::polygon::Polygons;
 use crate::io::text::{Words, number, quoted};
 use crate::mesh::{Attribute, AttributeValues, NONE, names};
@@ -129,9 +129,9 @@ impl<'a> Source<'a> {
             return Err(self.fail(format!("{count} is no length of a list")));
         }
         if count * least as f64 > self.left() as f64 {
+            let (place, left) = (self.place(), self.left());
             return Err(ReadError::truncated(format!(
-                "a list of {count} values, {} bytes are left",
-                self.left()
+                "a list of {count} values at {place}, {left} bytes are left"
             )));
         }
         Ok(count as usize)
@@ -163,11 +163,15 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    fn fail(&self, what: impl Into<String>) -> ReadError {
+    fn place(&self) -> Place {
         match self.encoding {
-            Encoding::Text => ReadError::line(self.words.line(), what),
-            _ => ReadError::byte(self.at, what),
+            Encoding::Text => Place::Line(self.words.line()),
+            _ => Place::Byte(self.at),
         }
+    }
+
+    fn fail(&self, what: impl Into<String>) -> ReadError {
+        ReadError::Syntax { place: self.place(), what: what.into() }
     }
 }
 
