@@ -7,7 +7,7 @@ use std::path::Path;
 use multires::mesh::{Mesh, Topology};
 
 /// Positions and triangles, unchecked.
-pub(crate) type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// A named mesh.
 pub(crate) struct Input {
@@ -15,17 +15,10 @@ pub(crate) struct Input {
     pub mesh: Mesh,
 }
 
-/// Reads a `.ply` or `.obj` file. Attributes are left behind.
+/// Reads a file of any format that multires reads. Attributes are left behind.
 pub(crate) fn read(path: &Path) -> Result<Input, Box<dyn Error>> {
     let name = path.file_stem().ok_or("not a file name")?.to_string_lossy().into_owned();
-    let bytes = std::fs::read(path)?;
-    let extension = path.extension().map(|e| e.to_ascii_lowercase());
-    let (positions, triangles) = match extension.as_ref().and_then(|e| e.to_str()) {
-        Some("ply") => crate::ply::read(&bytes)?,
-        Some("obj") => crate::obj::read(&String::from_utf8_lossy(&bytes))?,
-        _ => return Err("only .ply and .obj are read".into()),
-    };
-    Ok(Input { name, mesh: welded(Mesh::new(positions, triangles)?)? })
+    Ok(Input { name, mesh: welded(multires::io::read(path)?)? })
 }
 
 /// A terrain of `grid` x `grid` quads (open border, flat parts and slopes) and a bumpy sphere of six such patches

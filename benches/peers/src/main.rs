@@ -12,16 +12,12 @@
 //! | `simplify.rs` | interleaved runs, medians, table and JSON |
 //! | `clock.rs` | CPU time of this thread and of the process |
 //! | `input.rs` | meshes from files and from formulas, welded |
-//! | `ply.rs` | reads PLY, writes binary PLY for a distance tool |
-//! | `obj.rs` | reads the positions and faces of OBJ |
 //!
 //! Exit status: 0, 1 for bad input, 2 for wrong usage.
 
 mod clock;
 mod contender;
 mod input;
-mod obj;
-mod ply;
 mod simplify;
 
 use std::error::Error;

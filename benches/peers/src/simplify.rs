@@ -138,9 +138,7 @@ fn median(sorted: &[f64]) -> f64 {
 
 fn save(directory: &Path, name: &str, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
     let path = directory.join(format!("{name}.ply"));
-    std::fs::write(&path, crate::ply::write(mesh.positions(), mesh.triangles()))
-        .map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(())
+    Ok(multires::io::write(&path, mesh).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 fn heading() {
