@@ -69,15 +69,15 @@ fn stone() -> Part {
 fn worn(d: DVec3) -> DVec3 {
     let p = d.as_vec3();
     let lumps = f64::from(octaves(1.9 * p, 3, 11));
-    let crests = f64::from(ridges(2.6 * p, 5, 31));
+    let crests = f64::from(ridges(2.4 * p, 5, 31));
     let grain = f64::from(octaves(11.0 * p, 4, 51));
     // The top is trodden smooth, the flanks are rough.
-    let rough = 1.0 - 0.85 * smoothstep(0.35, 0.8, d.y);
-    let radius = 0.86 + rough * (0.30 * lumps + 0.22 * crests + 0.06 * grain);
-    let point = d * radius * DVec3::new(1.05, 0.62, 1.05);
+    let rough = 1.0 - 0.6 * smoothstep(0.25, 0.85, d.y);
+    let radius = 0.80 + rough * (0.30 * lumps + 0.20 * crests + 0.05 * grain);
+    let point = d * radius * DVec3::new(0.92, 0.7, 0.92);
     // Pressed flat towards the top, without a crease.
-    let height = point.y.min(0.0) + 0.22 * (1.0 - 1.0 / (1.0 + point.y.max(0.0) / 0.22));
-    DVec3::new(point.x, height - 0.02, point.z)
+    let height = point.y.min(0.0) + 0.3 * (1.0 - 1.0 / (1.0 + point.y.max(0.0) / 0.3));
+    DVec3::new(point.x, height - 0.08, point.z)
 }
 
 /// One moulding of a turned shape.

@@ -65,42 +65,50 @@ fn terrain_row(z: f32, step: f32, count: u32, seed: u32, heights: &mut [f32], st
     }
 }
 
-/// A closed rock about a unit in radius, with lumps, ridges, fine grain and a few craters: at least `triangles`
-/// triangles, rounded up to the next `20 * k^2` (20 to 980 million). All vertices are shared.
+/// A closed rock about a unit in radius, with lumps, ridges, grain and a few craters: at least `triangles` triangles,
+/// rounded up to the next `20 * k^2` (20 to 980 million). All vertices are shared.
 ///
-/// Every point is seen from the middle, so the surface never cuts itself. O(n).
+/// The grain is as fine as the triangles can show; all coarser features are the same for any number of triangles.
+/// Every point is seen from the middle, so the surface never cuts itself. O(n log n).
 pub fn rock(triangles: u32, seed: u32) -> Mesh {
     let frequency = (f64::from(triangles) / 20.0).sqrt().ceil() as u32;
     let (directions, triangles) = geodesic(frequency);
-    let craters = Craters::new(seed);
-    let positions: Vec<_> =
-        directions.iter().map(|&d| (d * rock_radius(d, seed, &craters)).as_vec3().to_array()).collect();
+    let shape = Rock::new(frequency, seed);
+    let positions: Vec<_> = directions.iter().map(|&d| (d * shape.radius(d)).as_vec3().to_array()).collect();
     bare(positions, triangles)
 }
 
-fn rock_radius(d: DVec3, seed: u32, craters: &Craters) -> f64 {
-    let p = d.as_vec3();
-    let lumps = 0.5 * noise(1.1 * p, seed) + 0.4 * octaves(2.0 * p, 3, seed.wrapping_add(20));
-    let warped = p + 0.3 * Vec3::splat(noise(1.7 * p, seed.wrapping_add(40)));
-    let crests = 0.14 * ridges(2.2 * warped, 5, seed.wrapping_add(60));
-    let grain = 0.05 * octaves(9.0 * p, 6, seed.wrapping_add(80));
-    let radius = 0.9 + f64::from(0.55 * lumps + crests + grain) + craters.depth(d);
-    radius.max(0.3)
+struct Rock {
+    seed: u32,
+    /// Octaves of grain, so that the finest spans a few triangles.
+    grain: u32,
+    /// Direction and size (as a chord) of every crater.
+    craters: [(DVec3, f64); 7],
 }
 
-/// A few craters: direction and angular size (as a chord) of each.
-struct Craters {
-    bowls: [(DVec3, f64); 7],
-}
+impl Rock {
+    const GRAIN: f32 = 9.0;
 
-impl Craters {
-    fn new(seed: u32) -> Self {
-        let seed = seed.wrapping_add(100);
-        let bowl = |i: u32| (direction(i, seed), 0.16 + 0.3 * f64::from(unit(1000 + i, seed)).powi(3));
-        Self { bowls: std::array::from_fn(|i| bowl(i as u32)) }
+    fn new(frequency: u32, seed: u32) -> Self {
+        let grain = (frequency as f32 / (2.0 * Self::GRAIN)) as u32;
+        let sown = seed.wrapping_add(100);
+        let crater = |i: u32| (direction(i, sown), 0.18 + 0.32 * f64::from(unit(1000 + i, sown)).powi(3));
+        let grain = grain.checked_ilog2().map_or(0, |finest| finest + 1);
+        Self { seed, grain, craters: std::array::from_fn(|i| crater(i as u32)) }
     }
 
-    /// What all craters add to the radius: a bowl inside, a rim at the edge, an apron outside.
+    fn radius(&self, d: DVec3) -> f64 {
+        let p = d.as_vec3();
+        let seed = |layer: u32| self.seed.wrapping_add(20 * layer);
+        let lumps = 0.5 * noise(1.1 * p, seed(0)) + 0.4 * octaves(2.0 * p, 3, seed(1));
+        let warp = Vec3::new(noise(1.7 * p, seed(2)), noise(1.7 * p, seed(3)), noise(1.7 * p, seed(4)));
+        let crests = 0.16 * ridges(2.0 * (p + 0.3 * warp), 4, seed(6));
+        let grain = 0.05 * octaves(Self::GRAIN * p, self.grain, seed(7));
+        let radius = 0.9 + f64::from(0.55 * lumps + crests + grain) + self.depth(d);
+        radius.max(0.3)
+    }
+
+    /// What the craters add to the radius: a bowl inside, a rim at the edge, an apron outside.
     fn depth(&self, d: DVec3) -> f64 {
         let one = |&(middle, size): &(DVec3, f64)| {
             let x = (d - middle).length() / size;
@@ -108,6 +116,6 @@ impl Craters {
             let rim = (1.0 - smoothstep(0.0, 0.45, (x - 1.0).abs())) * 0.09 * size;
             bowl + rim
         };
-        self.bowls.iter().map(one).sum()
+        self.craters.iter().map(one).sum()
     }
 }

@@ -89,7 +89,7 @@ impl Knot {
         let tangent = forward * (radius * self.windings[0])
             + (DVec3::Y * out - radial * up) * (Self::MINOR * self.windings[1]);
         let tangent = tangent.normalize();
-        Frame { middle: radial * Self::MAJOR + normal * Self::MINOR, across: [normal, tangent.cross(normal)] }
+        Frame { middle: radial * Self::MAJOR + normal * Self::MINOR, across: [normal, normal.cross(tangent)] }
     }
 }
 
