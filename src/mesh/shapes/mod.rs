@@ -62,6 +62,6 @@ fn cells(columns: u32, rows: u32, triangles: &mut Vec<[u32; 3]>, at: impl Fn(u32
 }
 
 /// A length that is positive and finite, and far from overflow; `default` in place of any other.
-fn length_or(length: f32, default: f64) -> f64 {
-    if length > 1e-18 && length < 1e18 { f64::from(length) } else { default }
+fn length_or(length: f32, default: f32) -> f64 {
+    f64::from(if length > 1e-18 && length < 1e18 { length } else { default })
 }

@@ -9,8 +9,9 @@ use super::{MAX_CELLS, bare, cells, fit, length_or};
 
 /// A torus around the y axis: `2 * segments * sides` triangles, all vertices shared, closed, genus 1.
 ///
-/// `major` is the distance from the axis to the middle of the tube, `minor` the tube's radius, in object units; 1 and
-/// 0.4 take the place of lengths that are not positive and finite. At least 3 segments and 3 sides, at most 2^28
+/// `major` is the distance from the axis to the middle of the tube, `minor` the tube's radius (a greater one than
+/// `major` makes it cut itself), in object units; 1 and 0.4 take the place of lengths that are not between 1e-18 and
+/// 1e18. At least 3 segments and 3 sides, at most 2^28
 /// cells. O(n).
 pub fn torus(major: f32, minor: f32, segments: u32, sides: u32) -> Mesh {
     let [segments, sides] = fit(segments, sides, [3, 3]);
