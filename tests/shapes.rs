@@ -156,6 +156,28 @@ fn seeds_matter_and_nothing_else_does() {
     }
 }
 
+/// The bytes are a promise, on every platform. A change of shape is a change of these numbers.
+#[test]
+fn the_bytes_are_pinned() {
+    let prints = [
+        print(&shapes::demo()),
+        print(&shapes::terrain(65, 1)),
+        print(&shapes::rock(20_000, 1)),
+        print(&shapes::torus_knot(2, 3, 100, 10)),
+        print(&shapes::icosphere(4)),
+        print(&shapes::soup(10, 1)),
+    ];
+    let pinned = [
+        0x184f_73ad_77a2_c9cb,
+        0x2db0_8a44_a592_4c10,
+        0x6b2a_f43d_8812_a4c9,
+        0x7368_6c2e_d794_6f1f,
+        0x0f08_6d86_5981_b08b,
+        0xf496_c752_8ce0_1d0b,
+    ];
+    assert_eq!(prints, pinned, "{prints:#018x?}");
+}
+
 /// Arguments too small are raised, and lengths that make no sense replaced.
 #[test]
 fn senseless_arguments_give_sensible_shapes() {

@@ -98,7 +98,7 @@ impl Moulding {
 
     fn length(&self) -> f64 {
         let [[r0, h0], [r1, h1]] = self.ends;
-        (r1 - r0).hypot(h1 - h0)
+        ((r1 - r0) * (r1 - r0) + (h1 - h0) * (h1 - h0)).sqrt()
     }
 
     /// Radius and height at a row. The ends are exactly as they are named, to meet the neighbours.

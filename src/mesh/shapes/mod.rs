@@ -65,3 +65,24 @@ fn cells(columns: u32, rows: u32, triangles: &mut Vec<[u32; 3]>, at: impl Fn(u32
 fn length_or(length: f32, default: f32) -> f64 {
     f64::from(if length > 1e-18 && length < 1e18 { length } else { default })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::MAX_ELEMENTS;
+    use super::fit;
+
+    #[test]
+    fn grids_of_any_size_fit_a_mesh() {
+        let counts = [0, 1, 2, 3, 4, 1000, 1 << 14, 1 << 27, 1 << 28, u32::MAX];
+        for (columns, rows) in counts.iter().flat_map(|&c| counts.map(|r| (c, r))) {
+            for least in [[3, 3], [3, 2], [3, 1], [1, 1]] {
+                let [c, r] = fit(columns, rows, least);
+                assert!(c >= least[0] && r >= least[1]);
+                let (c, r) = (c as usize, r as usize);
+                assert!((c + 1) * (r + 1) <= MAX_ELEMENTS && 2 * c * r <= MAX_ELEMENTS, "{columns} x {rows}");
+                let small = columns >= least[0] && rows >= least[1] && columns <= 16384 && rows <= 16384;
+                assert!(!small || (c, r) == (columns as usize, rows as usize));
+            }
+        }
+    }
+}

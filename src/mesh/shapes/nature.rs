@@ -71,7 +71,7 @@ fn terrain_row(z: f32, step: f32, count: u32, seed: u32, heights: &mut [f32], st
 /// The grain is as fine as the triangles can show; all coarser features are the same for any number of triangles.
 /// Every point is seen from the middle, so the surface never cuts itself. O(n log n).
 pub fn rock(triangles: u32, seed: u32) -> Mesh {
-    let frequency = (f64::from(triangles) / 20.0).sqrt().ceil() as u32;
+    let frequency = (f64::from(triangles) / 20.0).sqrt().ceil().min(7000.0) as u32;
     let (directions, triangles) = geodesic(frequency);
     let shape = Rock::new(frequency, seed);
     let positions: Vec<_> = directions.iter().map(|&d| (d * shape.radius(d)).as_vec3().to_array()).collect();
@@ -92,7 +92,10 @@ impl Rock {
     fn new(frequency: u32, seed: u32) -> Self {
         let grain = (frequency as f32 / (2.0 * Self::GRAIN)) as u32;
         let sown = seed.wrapping_add(100);
-        let crater = |i: u32| (direction(i, sown), 0.18 + 0.32 * f64::from(unit(1000 + i, sown)).powi(3));
+        let crater = |i: u32| {
+            let large = f64::from(unit(1000 + i, sown));
+            (direction(i, sown), 0.2 + 0.36 * large * large)
+        };
         let grain = grain.checked_ilog2().map_or(0, |finest| finest + 1);
         Self { seed, grain, craters: std::array::from_fn(|i| crater(i as u32)) }
     }
@@ -104,18 +107,19 @@ impl Rock {
         let warp = Vec3::new(noise(1.7 * p, seed(2)), noise(1.7 * p, seed(3)), noise(1.7 * p, seed(4)));
         let crests = 0.16 * ridges(2.0 * (p + 0.3 * warp), 4, seed(6));
         let grain = 0.05 * octaves(Self::GRAIN * p, self.grain, seed(7));
-        let radius = 0.9 + f64::from(0.55 * lumps + crests + grain) + self.depth(d);
+        let (depth, rough) = self.craters(d);
+        let radius = 0.9 + f64::from(0.55 * lumps) + rough * f64::from(crests + grain) + depth;
         radius.max(0.3)
     }
 
-    /// What the craters add to the radius: a bowl inside, a rim at the edge, an apron outside.
-    fn depth(&self, d: DVec3) -> f64 {
-        let one = |&(middle, size): &(DVec3, f64)| {
+    /// What the craters add to the radius (a bowl inside, a rim at the edge, an apron outside), and how much of the
+    /// relief they leave.
+    fn craters(&self, d: DVec3) -> (f64, f64) {
+        self.craters.iter().fold((0.0, 1.0), |(depth, rough), &(middle, size)| {
             let x = (d - middle).length() / size;
-            let bowl = 0.35 * size * (x * x - 1.0).min(0.0);
-            let rim = (1.0 - smoothstep(0.0, 0.45, (x - 1.0).abs())) * 0.09 * size;
-            bowl + rim
-        };
-        self.craters.iter().map(one).sum()
+            let bowl = 0.45 * size * (x * x - 1.0).min(0.0);
+            let rim = (1.0 - smoothstep(0.0, 0.45, (x - 1.0).abs())) * 0.12 * size;
+            (depth + bowl + rim, rough * (0.2 + 0.8 * smoothstep(0.5, 1.1, x)))
+        })
     }
 }

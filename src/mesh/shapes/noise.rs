@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// Mixes all bits of a word: alternating multiplications and folds.
 pub(super) fn scramble(mut x: u32) -> u32 {
@@ -82,27 +82,42 @@ pub(super) fn noise(p: Vec3, seed: u32) -> f32 {
     1.3 * lerp(along_y(0), along_y(1), fade(f.z))
 }
 
+/// From one octave to the next: twice as fine, and turned so that their lattices do not line up.
+const FINER: Mat3 = Mat3::from_cols_array(&[
+    4.0 / 3.0,
+    4.0 / 3.0,
+    -2.0 / 3.0,
+    -2.0 / 3.0,
+    4.0 / 3.0,
+    4.0 / 3.0,
+    4.0 / 3.0,
+    -2.0 / 3.0,
+    4.0 / 3.0,
+]);
+
 /// A sum of octaves of noise, each half as high and twice as fine: about -1 to 1.
-pub(super) fn octaves(p: Vec3, count: u32, seed: u32) -> f32 {
+pub(super) fn octaves(mut p: Vec3, count: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut height = 0.5;
     for octave in 0..count {
-        sum += height * noise(p * (1_u32 << octave) as f32, seed.wrapping_add(octave));
+        sum += height * noise(p, seed.wrapping_add(octave));
         height *= 0.5;
+        p = FINER * p;
     }
     sum
 }
 
 /// Octaves of sharp crests, finer ones only where coarser ones are high: 0 to about 1.
-pub(super) fn ridges(p: Vec3, count: u32, seed: u32) -> f32 {
+pub(super) fn ridges(mut p: Vec3, count: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let (mut height, mut weight) = (0.5, 1.0_f32);
     for octave in 0..count {
-        let crest = 1.0 - noise(p * (1_u32 << octave) as f32, seed.wrapping_add(octave)).abs();
+        let crest = 1.0 - noise(p, seed.wrapping_add(octave)).abs();
         weight *= crest * crest;
         sum += height * weight;
         weight = (1.6 * weight).min(1.0);
         height *= 0.5;
+        p = FINER * p;
     }
     sum
 }
@@ -162,5 +177,35 @@ impl NoiseRow {
         };
         let (low, high) = (gradient(self.row), gradient(self.row.wrapping_add(1)));
         [lerp(low[0], high[0], self.fade_y), lerp(low[1] * self.y, high[1] * (self.y - 1.0), self.fade_y)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sine_and_cosine_are_right() {
+        for i in -3000..3000 {
+            let turns = f64::from(i) / 991.0;
+            let [sin, cos] = sin_cos(turns);
+            assert!((sin - (turns * TAU).sin()).abs() < 2e-14 && (cos - (turns * TAU).cos()).abs() < 2e-14);
+            assert!((sin * sin + cos * cos - 1.0).abs() < 1e-15);
+        }
+        assert_eq!([0.0, 0.25, 0.5, 0.75].map(sin_cos), [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]]);
+    }
+
+    #[test]
+    fn noise_is_continuous_and_spread() {
+        let step = 1.0 / 64.0;
+        let mut row = NoiseRow::new(3.3, 5);
+        let line: Vec<_> = (0..64 * 40).map(|i| row.at(i as f32 * step)).collect();
+        let space: Vec<_> =
+            (0..64 * 40).map(|i| noise(Vec3::new(i as f32 * step - 20.0, 0.3, 0.7), 5)).collect();
+        for values in [line, space] {
+            assert!(values.windows(2).all(|pair| (pair[0] - pair[1]).abs() < 0.12));
+            assert!(values.iter().any(|&v| v > 0.3) && values.iter().any(|&v| v < -0.3));
+            assert!(values.iter().all(|v| v.abs() < 1.6));
+        }
     }
 }

@@ -74,7 +74,8 @@ impl Knot {
         // one winding to the next.
         let turn = std::f64::consts::TAU;
         let (wide, high) = (turn * (Self::MAJOR - Self::MINOR), turn * Self::MINOR);
-        let apart = wide * high / (windings[0] * wide).hypot(windings[1] * high);
+        let [along, across] = [windings[0] * wide, windings[1] * high];
+        let apart = wide * high / (along * along + across * across).sqrt();
         Self { windings, tube: (0.3 * apart).min(0.16) }
     }
 
