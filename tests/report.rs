@@ -71,6 +71,19 @@ fn duplicate_degenerate_and_unused_parts_are_counted() {
     assert_eq!(welded.euler_characteristic, 4 - 5 + 5);
 }
 
+/// Flat is what has at most 1e-10 of its longest edge squared for an area, whatever its size.
+#[test]
+fn needles_and_caps_are_degenerate() {
+    let degenerate = |scale: f32, height: f32| {
+        let positions = [[0.0; 3], [scale, 0.0, 0.0], [0.5 * scale, height * scale, 0.0]];
+        Report::new(&Mesh::new(positions, [[0, 1, 2]]).unwrap()).degenerate_triangles
+    };
+    for scale in [1e-18, 1.0, 1e18, 3e38] {
+        assert_eq!(degenerate(scale, 1.9e-10), 1, "at scale {scale}");
+        assert_eq!(degenerate(scale, 2.1e-10), 0, "at scale {scale}");
+    }
+}
+
 #[test]
 fn seams_are_positions_with_several_texture_coordinates() {
     let positions = vec![[0.0; 3], [0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];

@@ -1,12 +1,13 @@
 //! The smallest meshes that break careless code.
 //!
 //! ```text
-//!     book(3)          bowtie            pillow           hub(6)
-//!     .___.___.        .___.___.           .              ._._.
-//!     |   |   |         \ /|\ /           / \  two       /\ | /\
-//!     |___|___|          V | V           /___\ faces    .--- hub ---.
-//!         |             hub              back to back    \/_|_\/
-//!         |___.       (two fans, one point)
+//!     book(3), from above      bowtie             pillow            hub(6), from above
+//!
+//!          page                  .       .        .-----.               .---.
+//!            \                   | \   / |         \ 2 /               / \ / \
+//!             spine --- page     .---hub---.        \ /  triangles    .--hub--.
+//!            /                   | /   \ |           .   back to       \ / \ /
+//!          page                  .       .               back           .---.
 //! ```
 
 use glam::DVec3;

@@ -27,7 +27,7 @@ const CRYSTAL: u32 = 4;
 /// Middle of the knot, the rings and the crystal.
 const HEART: DVec3 = DVec3::new(0.0, 1.12, 0.0);
 
-/// A sculpture of about 70 000 triangles and two units high: a knot and a crystal in two thin rings, on a turned
+/// A sculpture of about 70 000 triangles, two units wide and 2.6 high: a knot and a crystal in two thin rings, on a turned
 /// plinth, on a rock.
 ///
 /// Five materials, normals with creases, texture coordinates with seams. Welded, it is closed and manifold, of six
