@@ -27,8 +27,8 @@ const CRYSTAL: u32 = 4;
 /// Middle of the knot, the rings and the crystal.
 const HEART: DVec3 = DVec3::new(0.0, 1.12, 0.0);
 
-/// A sculpture of about 70 000 triangles, two units wide and 2.6 high: a knot and a crystal in two thin rings, on a turned
-/// plinth, on a rock.
+/// A sculpture of about 70 000 triangles, two units wide and 2.6 high: a knot and a crystal in two
+/// thin rings, on a turned plinth, on a rock.
 ///
 /// Five materials, normals with creases, texture coordinates with seams. Welded, it is closed and manifold, of six
 /// components, three of them with a handle.
@@ -66,6 +66,7 @@ fn stone() -> Part {
     part
 }
 
+/// The rock's surface in a direction.
 fn worn(d: DVec3) -> DVec3 {
     let p = d.as_vec3();
     let lumps = f64::from(octaves(1.9 * p, 3, 11));
