@@ -3,7 +3,8 @@
 use multires::mesh::{Mesh, Report, Topology, names, shapes};
 use proptest::prelude::*;
 
-/// What every shape promises: a legal mesh, whose attributes fit, with unit normals that but for a few lie on the triangles' side.
+/// What every shape promises: a legal mesh, whose attributes fit, with unit normals that but for a few lie on the
+/// triangles' side.
 fn check(mesh: &Mesh) {
     let copy = Mesh::new(mesh.positions(), mesh.triangles()).expect("positions and indices");
     let copy = mesh.attributes().iter().cloned().try_fold(copy, Mesh::with_attribute).expect("attributes");
