@@ -17,6 +17,7 @@ use glam::{Vec3, Vec4};
 use crate::mesh::NONE;
 
 use super::metric::Pair;
+use super::patch::{Facet, Patch};
 use super::surface::Surface;
 
 /// Which triangle each merged point lies over.
@@ -30,11 +31,9 @@ pub(super) struct Witnesses {
     merged: Vec<bool>,
     fan: Vec<Sectors>,
     fan_len: usize,
-    /// The largest squared distance of what was committed, and of what was measured last.
+    /// The largest squared distance so far.
     largest: f32,
-    measured: f32,
-    /// Where the witnesses of the patch measured last would go: witness and triangle.
-    moves: Vec<[u32; 2]>,
+    heads: Vec<u32>,
 }
 
 /// Four triangles of the new patch side by side, relative to the merged point's position (their first corner). A
@@ -78,80 +77,119 @@ impl Witnesses {
             fan: Vec::new(),
             fan_len: 0,
             largest: 0.0,
-            measured: 0.0,
-            moves: Vec::new(),
+            heads: Vec::new(),
         }
     }
 
     /// The largest distance of a witness of the patch from the patch that merging `pair` at `x` would make, inner
-    /// units. [`commit`](Self::commit) then hands them over.
-    pub fn measure(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
-        let Pair { lost, kept } = pair;
-        let moves = surface.at(kept) != x;
-        self.fan.clear();
-        self.fan_len = 0;
-        self.moves.clear();
-        for corner in surface.star(lost) {
-            let [a, b] = corner.others;
-            if a != kept && b != kept {
-                self.push(corner.triangle, surface.at(a) - x, surface.at(b) - x);
-            }
-        }
-        if moves || self.fan.is_empty() {
-            for corner in surface.star(kept) {
-                let [a, b] = corner.others;
-                if a != lost && b != lost {
-                    self.push(corner.triangle, surface.at(a) - x, surface.at(b) - x);
-                }
-            }
-        }
+    /// units.
+    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+        self.spread(surface, patch, pair, x);
         let mut worst: f32 = 0.0;
-        for corner in surface.star(lost) {
-            worst = worst.max(self.hand_over(self.head[corner.triangle as usize], x));
-        }
-        worst = worst.max(self.hand_over_new(lost, x));
-        if moves {
-            for corner in surface.star(kept).filter(|corner| !corner.others.contains(&lost)) {
-                worst = worst.max(self.hand_over(self.head[corner.triangle as usize], x));
+        self.for_heads(surface, pair, x, |witnesses, mut at| {
+            while at != NONE {
+                worst = worst.max(witnesses.nearest(witnesses.positions[at as usize] - x).0);
+                at = witnesses.next[at as usize];
             }
-            worst = worst.max(self.hand_over_new(kept, x));
+        });
+        for point in self.newcomers(surface, pair, x) {
+            worst = worst.max(self.nearest(self.positions[point as usize] - x).0);
         }
-        self.measured = worst;
         worst.sqrt()
     }
 
-    fn hand_over_new(&mut self, point: u32, x: Vec3) -> f32 {
-        if self.merged[point as usize] {
-            return 0.0;
+    /// Hands every witness of the patch to the triangle of the new patch that it lies over, just before the collapse
+    /// is done; the largest distance, inner units.
+    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+        self.spread(surface, patch, pair, x);
+        // The chains are cut off first: what is handed over goes onto triangles of the same patch.
+        let mut heads = std::mem::take(&mut self.heads);
+        heads.clear();
+        self.for_heads(surface, pair, x, |_, head| heads.push(head));
+        self.clear_heads(surface, pair, x);
+        let mut worst: f32 = 0.0;
+        for &head in &heads {
+            let mut at = head;
+            while at != NONE {
+                let next = self.next[at as usize];
+                worst = worst.max(self.place(at, x));
+                at = next;
+            }
         }
-        let (distance, triangle) = self.nearest(self.positions[point as usize] - x);
-        self.moves.push([point, triangle]);
-        distance
+        self.heads = heads;
+        for point in self.newcomers(surface, pair, x) {
+            self.merged[point as usize] = true;
+            worst = worst.max(self.place(point, x));
+        }
+        self.largest = self.largest.max(worst);
+        worst.sqrt()
     }
 
-    /// Finds a place for every witness of a chain; the largest squared distance.
-    fn hand_over(&mut self, head: u32, x: Vec3) -> f32 {
-        let mut worst: f32 = 0.0;
-        let mut witness = head;
-        while witness != NONE {
-            let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
-            self.moves.push([witness, triangle]);
-            worst = worst.max(distance);
-            witness = self.next[witness as usize];
+    /// The new patch as sectors.
+    fn spread(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) {
+        self.fan.clear();
+        self.fan_len = 0;
+        patch.facets().iter().for_each(|facet| self.push(facet));
+        if patch.facets().is_empty() {
+            // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point.
+            for corner in surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost)) {
+                self.push(&Facet::around(surface, corner, x));
+            }
         }
-        worst
+    }
+
+    /// Calls `visit` with the first witness of every triangle of the patch.
+    #[inline]
+    fn for_heads(&self, surface: &Surface, pair: Pair, x: Vec3, mut visit: impl FnMut(&Self, u32)) {
+        for corner in surface.star(pair.lost) {
+            visit(self, self.head[corner.triangle as usize]);
+        }
+        if surface.at(pair.kept) != x {
+            for corner in surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost)) {
+                visit(self, self.head[corner.triangle as usize]);
+            }
+        }
+    }
+
+    fn clear_heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+        for corner in surface.star(pair.lost) {
+            self.head[corner.triangle as usize] = NONE;
+        }
+        if surface.at(pair.kept) != x {
+            for corner in surface.star(pair.kept) {
+                self.head[corner.triangle as usize] = NONE;
+            }
+        }
+    }
+
+    /// The merged points that are not witnesses yet.
+    fn newcomers(&self, surface: &Surface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
+        let is_new = |point: u32| (!self.merged[point as usize]).then_some(point);
+        let kept = if surface.at(pair.kept) == x { None } else { is_new(pair.kept) };
+        is_new(pair.lost).into_iter().chain(kept)
+    }
+
+    /// Puts a witness on the triangle it lies over; its squared distance.
+    #[inline]
+    fn place(&mut self, witness: u32, x: Vec3) -> f32 {
+        let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
+        if triangle != NONE {
+            self.next[witness as usize] = self.head[triangle as usize];
+            self.head[triangle as usize] = witness;
+        }
+        distance
     }
 
     /// Adds a triangle to the new patch.
     #[inline]
-    fn push(&mut self, triangle: u32, a: Vec3, b: Vec3) {
+    fn push(&mut self, facet: &Facet) {
+        let &Facet { triangle, a, b, after: normal, .. } = facet;
         let lane = self.fan_len % 4;
         if lane == 0 {
             self.fan.push(EMPTY);
         }
         self.fan_len += 1;
         let Some(sectors) = self.fan.last_mut() else { return };
-        let normal = a.cross(b);
         let area = normal.length_squared();
         sectors.a[lane] = a;
         sectors.b[lane] = b;
@@ -208,27 +246,6 @@ impl Witnesses {
             }
         }
         best
-    }
-
-    /// Does what the last [`measure`](Self::measure) found: call after the surface changed.
-    pub fn commit(&mut self, surface: &Surface, pair: Pair, dead: &[u32], changed: &[u32], moves: bool) {
-        for &t in dead.iter().chain(changed) {
-            self.head[t as usize] = NONE;
-        }
-        if moves {
-            for corner in surface.star(pair.kept) {
-                self.head[corner.triangle as usize] = NONE;
-            }
-            self.merged[pair.kept as usize] = true;
-        }
-        self.merged[pair.lost as usize] = true;
-        self.largest = self.largest.max(self.measured);
-        for &[witness, triangle] in &self.moves {
-            if triangle != NONE {
-                self.next[witness as usize] = self.head[triangle as usize];
-                self.head[triangle as usize] = witness;
-            }
-        }
     }
 }
 
