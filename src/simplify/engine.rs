@@ -460,11 +460,13 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 }
             }
             self.state[pair.kept as usize] &= !state::ASLEEP;
-            self.state[pair.kept as usize] |= state::STALE;
             if memoryless {
-                self.best[pair.kept as usize].cost = f32::INFINITY;
+                // All its pairs are offered below.
+                self.state[pair.kept as usize] &= !state::STALE;
+                self.best[pair.kept as usize] = NO_BEST;
                 ring.iter().for_each(|&n| self.offer(pair.kept, n));
             } else {
+                self.state[pair.kept as usize] |= state::STALE;
                 // Costs of pairs that were there before only grew; those with new neighbours are new.
                 ring.clear();
                 let thirds = self.patch.thirds();
