@@ -24,7 +24,7 @@ const VOLUME: f64 = 0.5 / 36.0;
 /// 1/2 of the squared area (half of the product, squared).
 const BOUNDARY: f64 = 0.5 / 4.0;
 /// Costs are squared volumes: 2^60 keeps them clear of the smallest numbers of single precision on any mesh.
-const SCALE: f64 = (1u64 << 60) as f64;
+const SCALE: f64 = (1u64 << 60) as f64 * VOLUME;
 
 /// The metric of Lindstrom and Turk. Made for [`Placement::Optimal`](crate::simplify::Placement::Optimal), where closed
 /// meshes keep their volume.
@@ -45,23 +45,23 @@ impl LindstromTurk {
         Self::default()
     }
 
-    /// The objective relative to the lost point: volumes, and borders where there are any.
-    #[inline]
-    fn region(&self, surface: &Surface, pair: Pair) -> (Sum, Option<Border>) {
+    /// Volumes and borders of a candidate with a point on a border, relative to the lost point.
+    #[cold]
+    fn at_border(&self, surface: &Surface, pair: Pair) -> (Sum, Border) {
         let mut sum = self.stars.region(surface, pair);
-        sum.h = sum.h.scaled(VOLUME);
-        sum.c *= VOLUME;
-        sum.constant *= VOLUME;
-        if !surface.is_border(pair.lost) && !surface.is_border(pair.kept) {
-            return (sum, None);
-        }
         let border = Border::new(surface, pair);
         let length2 = (at(surface, pair.kept) - at(surface, pair.lost)).length_squared();
-        sum.h.add(&border.h.scaled(BOUNDARY * length2));
-        sum.c += BOUNDARY * length2 * border.c;
-        sum.constant += BOUNDARY * length2 * border.constant;
-        (sum, Some(border))
+        let weight = BOUNDARY / VOLUME * length2;
+        sum.h.add(&border.h.scaled(weight));
+        sum.c += weight * border.c;
+        sum.constant += weight * border.constant;
+        (sum, border)
     }
+}
+
+#[inline]
+fn is_at_border(surface: &Surface, pair: Pair) -> bool {
+    surface.is_border(pair.lost) | surface.is_border(pair.kept)
 }
 
 /// The areas that border edges sweep, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
@@ -113,39 +113,56 @@ impl ErrorMetric for LindstromTurk {
 
     fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
-        finite(self.region(surface, pair).0.at(x) * SCALE)
+        let sum = if is_at_border(surface, pair) {
+            self.at_border(surface, pair).0
+        } else {
+            self.stars.region(surface, pair)
+        };
+        finite(sum.at(x) * SCALE)
     }
 
+    #[inline]
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        let (sum, border) = self.region(surface, pair);
-        let origin = at(surface, pair.lost);
-        if border.is_none()
-            && let Some(x) = minimise_on_plane(&sum.h, sum.c, sum.normals, sum.offset)
-        {
-            return Some(((origin + x).as_vec3().into(), finite(sum.at(x) * SCALE)));
+        if is_at_border(surface, pair) {
+            let (sum, border) = self.at_border(surface, pair);
+            return place(surface, pair, &sum, Some(&border));
         }
-        let mut constraints = Constraints::default();
-        constraints.add(sum.normals, sum.offset);
-        if let Some(border) = border {
-            border.preserve(&mut constraints);
+        let sum = self.stars.region(surface, pair);
+        match minimise_on_plane(&sum.h, sum.c, sum.normals, sum.offset) {
+            Some(x) => Some(placed(surface, pair, &sum, x)),
+            None => place(surface, pair, &sum, None),
         }
-        constraints.minimise(&sum.h, sum.c);
-        if !constraints.is_full() {
-            let mut around = DVec3::ZERO;
-            let mut count = 0.0;
-            for_region(surface, pair, |facet| {
-                if facet.survives {
-                    around += facet.q + facet.r - 2.0 * origin;
-                    count += 2.0;
-                }
-            });
-            constraints.minimise(&Symmetric::identity(count), around);
-        }
-        let x = constraints.point()?;
-        Some(((origin + x).as_vec3().into(), finite(sum.at(x) * SCALE)))
     }
 
     fn collapsed(&mut self, surface: &Surface, pair: Pair) {
         self.stars.update(surface, pair.kept);
     }
+}
+
+/// The position with all conditions taken in order.
+#[cold]
+fn place(surface: &Surface, pair: Pair, sum: &Sum, border: Option<&Border>) -> Option<([f32; 3], f32)> {
+    let mut constraints = Constraints::default();
+    constraints.add(sum.normals, sum.offset);
+    if let Some(border) = border {
+        border.preserve(&mut constraints);
+    }
+    constraints.minimise(&sum.h, sum.c);
+    if !constraints.is_full() {
+        let origin = at(surface, pair.lost);
+        let (mut around, mut count) = (DVec3::ZERO, 0.0);
+        for_region(surface, pair, |facet| {
+            if facet.survives {
+                around += facet.q + facet.r - 2.0 * origin;
+                count += 2.0;
+            }
+        });
+        constraints.minimise(&Symmetric::identity(count), around);
+    }
+    constraints.point().map(|x| placed(surface, pair, sum, x))
+}
+
+#[inline]
+fn placed(surface: &Surface, pair: Pair, sum: &Sum, x: DVec3) -> ([f32; 3], f32) {
+    ((at(surface, pair.lost) + x).as_vec3().into(), finite(sum.at(x) * SCALE))
 }

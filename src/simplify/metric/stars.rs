@@ -158,18 +158,16 @@ impl Stars {
         let mut h = lost.planes;
         h.add(&kept.planes);
         let mut normals = lost.normals + kept.normals;
-        for corner in surface.star(pair.lost) {
-            if corner.others.contains(&pair.kept) {
-                let normal = self.normals[corner.triangle as usize].as_dvec3();
-                h.subtract_outer(normal);
-                normals -= normal;
-            }
-        }
+        surface.for_shared_triangles(pair.lost, pair.kept, |triangle| {
+            let normal = self.normals[triangle as usize].as_dvec3();
+            h.subtract_outer(normal);
+            normals -= normal;
+        });
         let features = surface.kind(pair.lost) & surface.kind(pair.kept) & kind::FEATURE != 0;
         if features && self.upright > 0.0 && self.is_feature(surface, pair.lost, pair.kept) {
-            for corner in surface.star(pair.lost).filter(|corner| corner.others.contains(&pair.kept)) {
-                h.add(&self.upright(surface, pair.lost, pair.kept, corner.triangle).scaled(-1.0));
-            }
+            surface.for_shared_triangles(pair.lost, pair.kept, |triangle| {
+                h.add(&self.upright(surface, pair.lost, pair.kept, triangle).scaled(-1.0));
+            });
         }
         // The planes of the triangles on the edge hold both ends: they add nothing to the terms in `edge`.
         let c = kept.planes.times(edge);
