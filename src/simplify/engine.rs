@@ -464,6 +464,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 // All its pairs are offered below.
                 self.state[pair.kept as usize] &= !state::STALE;
                 self.best[pair.kept as usize] = NO_BEST;
+                self.queue.remove(pair.kept);
                 ring.iter().for_each(|&n| self.offer(pair.kept, n));
             } else {
                 self.state[pair.kept as usize] |= state::STALE;
