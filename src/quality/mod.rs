@@ -1,1 +1,39 @@
-//! Honest measurement.
+//! How good a mesh is, and what it looks like: distances between meshes, ray-cast pictures, volume and slivers.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
+//! | `samples.rs` | points spread evenly over a surface |
+//! | `distance.rs` | [`distance`]: Metro's two-sided distance between two meshes |
+//! | `volume.rs` | [`volume`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `render.rs` | [`render`]: pictures without a graphics card |
+//! | `palette.rs` | [`palette`]: colours for scalars and for materials |
+//! | `error.rs` | [`QualityError`] |
+//! | `hash.rs` | hashes that are the same on every machine |
+
+mod bvh;
+mod distance;
+mod error;
+mod hash;
+mod samples;
+
+pub use distance::{Distance, DistanceOptions, OneSided, distance};
+pub use error::QualityError;
+
+/// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.
+pub(crate) fn map_chunks<T: Send>(
+    count: usize,
+    size: usize,
+    work: impl Fn(std::ops::Range<usize>) -> T + Sync,
+) -> Vec<T> {
+    let chunk = |index: usize| work(index * size..((index + 1) * size).min(count));
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        (0..count.div_ceil(size)).into_par_iter().map(chunk).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        (0..count.div_ceil(size)).map(chunk).collect()
+    }
+}
