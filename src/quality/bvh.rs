@@ -25,9 +25,8 @@ use crate::mesh::{Mesh, NONE};
 
 use super::hash;
 
-/// A triangle whose double area is at most this share of its longest edge squared has no direction that means
-/// anything, and no surface.
-const DEGENERATE: f64 = 1e-10;
+/// A corner whose squared sine is below this has weights that rounding may spoil.
+const SLIVER: f64 = 1e-10;
 /// Boxes are widened by this much (frame units), far more than a coordinate's rounding.
 const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
 /// Queries farther than this from the frame's centre are moved in to it along their direction. What lies nearest to
@@ -380,10 +379,10 @@ fn corners_of(mesh: &Mesh, triangle: u32) -> Corners {
     mesh.triangles()[triangle as usize].map(|v| wide(mesh.positions()[v as usize]))
 }
 
-/// Whether a triangle has an area that means anything.
+/// Whether a triangle has an area. Differences and products of single precision numbers lose next to nothing in
+/// double precision, so this needs no tolerance.
 pub(crate) fn has_area(&[a, b, c]: &Corners) -> bool {
-    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-    (b - a).cross(c - a).length() > DEGENERATE * longest
+    (b - a).cross(c - a) != DVec3::ZERO
 }
 
 /// Items of `kept` sorted by a hash of their box, coincident ones once, and where each run of equal boxes starts (one
@@ -439,23 +438,31 @@ fn box_entry(node: &Bvh2Node, start: Vec3A, inverse: Vec3A) -> f32 {
 /// The point of a triangle nearest to `p`, and its distance squared.
 ///
 /// Inside the prism over the triangle it is the foot on the plane; elsewhere it lies on one of the at most two edges
-/// that `p` is on the outer side of. The weights come from products with the normal, whose error grows with the
-/// triangle's aspect ratio, not with its square as that of the customary products of edge dot products does.
+/// that `p` is on the outer side of. Whatever rounding does to the weights, the answer is a point of the triangle and
+/// its distance from `p`, never less than the true distance. In a sliver all edges are tried too: nothing is farther
+/// from them than half its height.
 pub(crate) fn closest_on_triangle(&[a, b, c]: &Corners, p: DVec3) -> (DVec3, f64) {
-    let (pa, pb, pc) = (a - p, b - p, c - p);
-    let normal = (b - a).cross(c - a);
-    let weights = [pb.cross(pc).dot(normal), pc.cross(pa).dot(normal), pa.cross(pb).dot(normal)];
-    if weights.iter().all(|&w| w >= 0.0) {
-        let foot = normal * (pa.dot(normal) / normal.length_squared());
-        return (p + foot, foot.length_squared());
-    }
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(ac);
+    let square = normal.length_squared();
+    let (v, w) = (ap.cross(ac).dot(normal) / square, ab.cross(ap).dot(normal) / square);
+    let u = 1.0 - v - w;
+    let sliver = square <= SLIVER * (ab.length_squared() * ac.length_squared());
     let mut best = (a, f64::INFINITY);
-    for (weight, from, edge) in [(weights[0], pb, c - b), (weights[1], pc, a - c), (weights[2], pa, b - a)] {
-        if weight < 0.0 {
-            let along = (-from.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-            let offset = from + edge * along;
-            if offset.length_squared() < best.1 {
-                best = (p + offset, offset.length_squared());
+    if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+        let point = a + ab * v + ac * w;
+        best = (point, (point - p).length_squared());
+        if !sliver {
+            return best;
+        }
+    }
+    for (weight, from, edge) in [(u, b, c - b), (v, a, ac), (w, a, ab)] {
+        if weight < 0.0 || sliver {
+            let along = ((p - from).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+            let point = from + edge * along;
+            let distance_squared = (point - p).length_squared();
+            if distance_squared < best.1 {
+                best = (point, distance_squared);
             }
         }
     }

@@ -133,8 +133,8 @@ impl Distance {
 
 /// How far apart the surfaces of two meshes are, in both directions.
 ///
-/// The surface is the triangles that have an area (more than 1e-10 of their longest edge squared); coincident ones
-/// count once. Nearest points are exact to double precision; what is sampled is only where they are asked for. The
+/// The surface is the triangles that have an area; coincident ones count once, and vertices that only other triangles
+/// use do not count. Nearest points are exact to double precision; what is sampled is only where they are asked for. The
 /// same meshes and options give the same bytes for any number of threads.
 ///
 /// O((n + samples) log n), with some 200 bytes a triangle while it runs.

@@ -5,9 +5,7 @@
 #[non_exhaustive]
 pub enum QualityError {
     /// A mesh has no triangle with an area, so there is no surface to measure.
-    #[error(
-        "the {which} mesh has no surface: all of its {triangles} triangles are degenerate or there are none"
-    )]
+    #[error("the {which} mesh has no surface: none of its {triangles} triangles has an area")]
     NoSurface {
         /// "first" or "second", in the order of the arguments.
         which: &'static str,
