@@ -165,6 +165,23 @@ pub fn distance(a: &Mesh, b: &Mesh, options: &DistanceOptions) -> Result<Distanc
     })
 }
 
+/// Distance of every vertex of a mesh from the surface of another, object units: to colour the mesh by its error
+/// ([`palette::colours`](super::palette::colours)). O((n + m) log m).
+///
+/// # Errors
+/// The second mesh has no surface. The first needs none.
+pub fn vertex_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError> {
+    let triangles = to.triangles().len();
+    let surface = Bvh::new(to).ok_or(QualityError::NoSurface { which: "second", triangles })?;
+    let chunks = map_chunks(from.positions().len(), CHUNK, |range| {
+        let mut walker = surface.walker();
+        let distance =
+            |p: &[f32; 3]| walker.closest(DVec3::from_array(p.map(f64::from))).distance_squared.sqrt();
+        from.positions()[range].iter().map(distance).collect::<Vec<_>>()
+    });
+    Ok(chunks.concat())
+}
+
 /// Sums over one chunk of samples, in units of the sampled surface's size so that squares stay in range.
 #[derive(Clone, Copy)]
 struct Partial {

@@ -7,18 +7,29 @@
 //! | `distance.rs` | [`distance`]: Metro's two-sided distance between two meshes |
 //! | `volume.rs` | [`volume`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
+//! | `camera.rs` | [`Camera`]: where a picture is taken from |
+//! | `normals.rs` | normals to shade with |
+//! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
 //! | `palette.rs` | [`palette`]: colours for scalars and for materials |
 //! | `error.rs` | [`QualityError`] |
 //! | `hash.rs` | hashes that are the same on every machine |
 
 mod bvh;
+mod camera;
 mod distance;
 mod error;
 mod hash;
+mod normals;
+pub mod palette;
+mod picture;
+mod render;
 mod samples;
 
-pub use distance::{Distance, DistanceOptions, OneSided, distance};
+pub use camera::Camera;
+pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
+pub use picture::Picture;
+pub use render::{Colours, RenderOptions, Shading, render};
 
 /// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.
 pub(crate) fn map_chunks<T: Send>(
