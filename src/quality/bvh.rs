@@ -267,9 +267,9 @@ impl Walker<'_> {
         if reach > FAR { bvh.closest_on_slot(best.slot, point) } else { best }
     }
 
-    /// Where the ray first meets the surface, from either side, at `t > 0`. A direction of length 0 meets nothing.
-    /// O(log n) expected.
-    pub(crate) fn first_hit(&mut self, origin: DVec3, direction: DVec3) -> Option<RayHit> {
+    /// Where the ray first meets the surface, from either side, at `0 < t < reach`. A direction of length 0 meets
+    /// nothing. O(log n) expected.
+    pub(crate) fn first_hit(&mut self, origin: DVec3, direction: DVec3, reach: f64) -> Option<RayHit> {
         let bvh = self.bvh;
         let d = direction.normalize_or_zero();
         let o = bvh.frame.to_frame(origin);
@@ -288,15 +288,16 @@ impl Walker<'_> {
         let per_t = direction.length() * bvh.frame.scale;
 
         let mut best: Option<RayHit> = None;
-        let mut limit = f32::INFINITY;
+        let in_frame = |t: f64| (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
+        let mut limit = in_frame(reach);
         self.near.clear();
         let mut visit = |node: &Bvh2Node, limit: &mut f32| {
             for slot in node.first_index..node.first_index + node.prim_count {
                 if let Some((t, weights)) = hit_triangle(&bvh.corners(slot), origin, direction)
-                    && best.is_none_or(|b| t < b.t || (t == b.t && slot < b.slot))
+                    && best.map_or(t < reach, |b| t < b.t || (t == b.t && slot < b.slot))
                 {
                     best = Some(RayHit { slot, weights, t });
-                    *limit = (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
+                    *limit = in_frame(t);
                 }
             }
         };

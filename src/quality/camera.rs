@@ -29,25 +29,25 @@ impl Camera {
         Self { eye, target, up: [0.0, 1.0, 0.0], field_of_view: 0.5 }
     }
 
-    /// A camera that looks along `direction` (of any length) and is so far away that the mesh just fills a square
-    /// picture. A mesh without triangles, or a direction of no length, gets a view along -z. O(n).
+    /// A camera that looks along `direction` (of any length) from so far away that the mesh just fills a square
+    /// picture. Without triangles a box of 2 units about the origin stands in; for a direction of no length, -z. O(n).
     pub fn framing(mesh: &Mesh, direction: [f64; 3]) -> Self {
-        let [low, high] =
-            mesh.bounds().unwrap_or([[-1.0; 3], [1.0; 3]]).map(|p| DVec3::from_array(p.map(f64::from)));
-        let target = low + (high - low) * 0.5;
         let forward = DVec3::from_array(direction).try_normalize().unwrap_or(DVec3::NEG_Z);
-        let mut camera = Self::new((target - forward).to_array(), target.to_array());
         let axes = axes(forward, DVec3::Y);
+        let in_view = |p: DVec3| DVec3::from_array(axes.map(|axis| p.dot(axis)));
+        let points =
+            || mesh.indices().iter().map(|&v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+        let extent = |(low, high): (DVec3, DVec3), p| (low.min(p), high.max(p));
+        let (low, high) = points().map(in_view).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), extent);
+        let (low, high) = if low.x <= high.x { (low, high) } else { (-DVec3::ONE, DVec3::ONE) };
+        let middle = (low + high) * 0.5;
+        let target = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
+
+        let mut camera = Self::new([0.0; 3], target.to_array());
         let slope = (camera.field_of_view * 0.5).tan() * (1.0 - MARGIN);
-        let distance = mesh
-            .indices()
-            .iter()
-            .map(|&v| {
-                let p = DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) - target;
-                p.dot(axes[0]).abs().max(p.dot(axes[1]).abs()) / slope - p.dot(axes[2])
-            })
-            .fold(0.0, f64::max);
-        let distance = if distance > 0.0 { distance } else { 1.0 };
+        let needed = |p: DVec3| p.x.abs().max(p.y.abs()) / slope - p.z;
+        let distance = points().map(|p| needed(in_view(p) - middle)).fold(0.0, f64::max);
+        let distance = if distance > 0.0 { distance } else { 1.0 / slope };
         camera.eye = (target - forward * distance).to_array();
         camera
     }

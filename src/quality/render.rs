@@ -27,8 +27,8 @@ use super::{
 const MAX_SIDE: usize = 1 << 14;
 /// What back faces look like, so that flipped triangles and open insides are seen.
 const BACK: [u8; 3] = [176, 120, 104];
-/// How far the surface shades itself, in parts of its box's size.
-const OCCLUSION_REACH: f64 = 0.25;
+/// How far the surface shades itself, in parts of its size.
+const OCCLUSION_REACH: f64 = 0.5;
 
 /// How normals vary over a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -190,8 +190,7 @@ pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<P
                 let at = [x as f64 + offset[0], y as f64 + offset[1]];
                 let seen = match (&scene, &mut walker) {
                     (Some(scene), Some(walker)) => {
-                        let number = (y * width + x) * offsets.len() + sample;
-                        scene.trace(walker, at, number as u64)
+                        scene.trace(walker, at, (y * width + x) as u64, sample as u64)
                     }
                     _ => None,
                 };
@@ -215,9 +214,9 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     /// Linear light along the ray through a point of the picture; `None` where it misses the mesh.
-    fn trace(&self, walker: &mut Walker<'_>, at: [f64; 2], number: u64) -> Option<Vec3> {
+    fn trace(&self, walker: &mut Walker<'_>, at: [f64; 2], pixel: u64, sample: u64) -> Option<Vec3> {
         let direction = self.view.direction(at[0], at[1]);
-        let hit = walker.first_hit(self.view.eye, direction)?;
+        let hit = walker.first_hit(self.view.eye, direction, f64::INFINITY)?;
         let triangle = self.bvh.triangle_of()[hit.slot as usize] as usize;
         let [a, b, c] = self.bvh.corners(hit.slot);
         let face = (b - a).cross(c - a).normalize_or_zero();
@@ -227,7 +226,7 @@ impl Scene<'_> {
         let weights = hit.weights.map(|w| w as f32);
         let normal = self.normal(triangle, weights, face.as_vec3(), front, direction.as_vec3());
         let base = if front { self.colour(triangle, weights) } else { to_linear(BACK) };
-        let open = self.openness(walker, self.view.eye + direction * hit.t, facing, number);
+        let open = self.openness(walker, self.view.eye + direction * hit.t, facing, pixel, sample);
         let lit = self.light(base, normal, direction.as_vec3(), open);
         let line = self.edge(&hit, at);
         Some(lit.lerp(lit * 0.12, line))
@@ -260,25 +259,26 @@ impl Scene<'_> {
     }
 
     /// Share of the sky seen from a point, 0 to 1.
-    fn openness(&self, walker: &mut Walker<'_>, point: DVec3, normal: DVec3, number: u64) -> f32 {
+    fn openness(&self, walker: &mut Walker<'_>, point: DVec3, normal: DVec3, pixel: u64, sample: u64) -> f32 {
         let rays = u64::from(self.options.occlusion_rays);
         if rays == 0 {
             return 1.0;
         }
-        let reach = self.bvh.size() * 2.0 * OCCLUSION_REACH;
+        let reach = self.bvh.size() * OCCLUSION_REACH;
         let from = point + normal * (self.bvh.size() * 1e-5);
         let (side, across) = normal.any_orthonormal_pair();
+        let start = [hash::unit(pixel, 0), hash::unit(pixel, 1)];
         let mut open = 0.0;
-        for ray in 0..rays {
-            // Cosine-weighted: even on the disc under the hemisphere, a ring a ray.
-            let radius = ((ray as f64 + hash::unit(number, 2 * ray)) / rays as f64).sqrt();
-            let (sin, cos) = (std::f64::consts::TAU * hash::unit(number, 2 * ray + 1)).sin_cos();
-            let up = (1.0 - radius * radius).max(0.0).sqrt();
+        for ray in sample * rays..(sample + 1) * rays {
+            // Even on the disc under the hemisphere, which is by the cosine on it; even over all rays of a pixel too
+            // (the plastic number's sequence, started anew for each).
+            let [across_disc, around] = [(0, 0.754_877_666_246_693), (1, 0.569_840_290_998_053)]
+                .map(|(axis, step): (usize, f64)| (start[axis] + step * ray as f64).fract());
+            let (radius, (sin, cos)) = (across_disc.sqrt(), (std::f64::consts::TAU * around).sin_cos());
+            let up = (1.0 - across_disc).sqrt();
             let direction = side * (radius * cos) + across * (radius * sin) + normal * up;
-            open += match walker.first_hit(from, direction) {
-                Some(hit) if hit.t < reach => (hit.t / reach).powi(2) as f32,
-                _ => 1.0,
-            };
+            open +=
+                walker.first_hit(from, direction, reach).map_or(1.0, |hit| (hit.t / reach).powi(2) as f32);
         }
         open / rays as f32
     }
@@ -291,8 +291,8 @@ impl Scene<'_> {
         let soft = |light: Vec3, wrap: f32| ((normal.dot(light) + wrap) / (1.0 + wrap)).max(0.0);
         let sky = 0.5 + 0.5 * normal.dot(up);
         let grazing = (1.0 + normal.dot(direction)).clamp(0.0, 1.0);
-        let ambient = Vec3::new(0.20, 0.19, 0.18).lerp(Vec3::new(0.46, 0.49, 0.54), sky) * open;
-        let direct = Vec3::new(1.0, 0.975, 0.94) * (0.86 * soft(key, 0.15).powf(1.2) * (0.45 + 0.55 * open))
+        let ambient = Vec3::new(0.13, 0.125, 0.12).lerp(Vec3::new(0.37, 0.40, 0.45), sky) * open;
+        let direct = Vec3::new(1.0, 0.975, 0.94) * (1.12 * soft(key, 0.1).powf(1.3) * (0.45 + 0.55 * open))
             + Vec3::new(0.72, 0.84, 1.0) * (0.22 * soft(fill, 0.3) * (0.35 + 0.65 * open));
         let outline = Vec3::new(0.95, 0.98, 1.0) * (0.55 * soft(rim, 0.0) * grazing.powi(2) * open);
         let gloss = |light: Vec3, power: i32| {
