@@ -29,26 +29,45 @@ impl Camera {
         Self { eye, target, up: [0.0, 1.0, 0.0], field_of_view: 0.5 }
     }
 
-    /// A camera that looks along `direction` (of any length) from so far away that the mesh just fills a square
-    /// picture. Without triangles a box of 2 units about the origin stands in; for a direction of no length, -z. O(n).
+    /// A camera that looks along `direction` (of any length) from where the mesh just fills a square picture. Without
+    /// triangles a box of 2 units about the origin stands in; for a direction of no length, -z. O(n).
     pub fn framing(mesh: &Mesh, direction: [f64; 3]) -> Self {
         let forward = DVec3::from_array(direction).try_normalize().unwrap_or(DVec3::NEG_Z);
         let axes = axes(forward, DVec3::Y);
-        let in_view = |p: DVec3| DVec3::from_array(axes.map(|axis| p.dot(axis)));
-        let points =
-            || mesh.indices().iter().map(|&v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
-        let extent = |(low, high): (DVec3, DVec3), p| (low.min(p), high.max(p));
-        let (low, high) = points().map(in_view).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), extent);
-        let (low, high) = if low.x <= high.x { (low, high) } else { (-DVec3::ONE, DVec3::ONE) };
-        let middle = (low + high) * 0.5;
-        let target = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
-
-        let mut camera = Self::new([0.0; 3], target.to_array());
+        let mut camera = Self::new([0.0; 3], forward.to_array());
         let slope = (camera.field_of_view * 0.5).tan() * (1.0 - MARGIN);
-        let needed = |p: DVec3| p.x.abs().max(p.y.abs()) / slope - p.z;
-        let distance = points().map(|p| needed(in_view(p) - middle)).fold(0.0, f64::max);
-        let distance = if distance > 0.0 { distance } else { 1.0 / slope };
-        camera.eye = (target - forward * distance).to_array();
+
+        // A point at x to the right and depth z is inside the left and right planes of a camera at cx, cz where
+        //     x - cx <= slope (z - cz)   and   cx - x <= slope (z - cz);
+        // the tightest of each over all points give the largest cz and its cx, and so for up.
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut planes = [f64::NEG_INFINITY; 4];
+        let mut include = |p: DVec3| {
+            let p = DVec3::from_array(axes.map(|axis| p.dot(axis)));
+            (low, high) = (low.min(p), high.max(p));
+            for (plane, side) in planes.iter_mut().zip([p.x, -p.x, p.y, -p.y]) {
+                *plane = plane.max(side - slope * p.z);
+            }
+        };
+        for &v in mesh.indices() {
+            include(DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+        }
+        if mesh.indices().is_empty() {
+            (0..8).for_each(|i| {
+                include(DVec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 })))
+            });
+        }
+        let depth = |a: f64, b: f64| -(a + b) / (2.0 * slope);
+        let size = (high - low).length();
+        // Never at the mesh itself, however narrow it is along the line of sight.
+        let room = if size > 0.0 { 0.1 * size } else { 1.0 };
+        let depth = depth(planes[0], planes[1]).min(depth(planes[2], planes[3])).min(low.z - room);
+        let at = |z: f64| {
+            axes[0] * ((planes[0] - planes[1]) * 0.5)
+                + axes[1] * ((planes[2] - planes[3]) * 0.5)
+                + forward * z
+        };
+        (camera.eye, camera.target) = (at(depth).to_array(), at((low.z + high.z) * 0.5).to_array());
         camera
     }
 

@@ -304,9 +304,9 @@ impl Scene<'_> {
 
     /// How much of an edge line covers a point of the picture, 0 to 1.
     fn edge(&self, hit: &RayHit, at: [f64; 2]) -> f32 {
-        let width = f64::from(self.options.edges);
-        // Also where it is NaN.
-        if !(width > 0.0) {
+        // Not a number is no width.
+        let width = f64::from(self.options.edges).max(0.0);
+        if width == 0.0 {
             return 0.0;
         }
         let corners = self.bvh.corners(hit.slot).map(|p| self.view.project(p));
