@@ -147,6 +147,24 @@ fn a_spike_is_found_however_thin() {
 }
 
 #[test]
+fn edges_are_sampled_by_length_however_thin_the_triangle() {
+    // A fin across a pit, its corners on the rim and its area next to nothing beside the other triangle's.
+    let positions = [
+        [-0.6, 0.0, 0.0],
+        [0.6, 0.0, 0.0],
+        [0.6, 1e-6, 0.0],
+        [-1.0, 0.6, 0.0],
+        [1.0, 0.6, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    let fin = Mesh::new(positions, [[0, 1, 2], [3, 4, 5]]).unwrap();
+    let pit = plane(4, 1.0, |x, y| if x == 0.0 && y == 0.0 { -0.5 } else { 0.0 });
+    let d = distance(&fin, &pit, &options(1000)).unwrap();
+    assert!(d.forward.max > 0.2 && d.forward.mean < 1e-3, "{d:?}");
+    assert_eq!(d.forward.edge_samples, 6 + 250);
+}
+
+#[test]
 fn neither_place_nor_size_matters() {
     let (a, b) = (sphere(3, 1.0), sphere(2, 1.0));
     let here = measure(&a, &b);

@@ -58,6 +58,12 @@ fn up_is_up_and_right_is_right() {
 }
 
 #[test]
+fn what_lies_behind_is_not_seen() {
+    let away = Camera::new([0.0, 0.0, 2.0], [0.0, 0.0, 4.0]);
+    assert!(render(&square(0.0), &away, &options(8)).unwrap().pixels().iter().all(|&p| is_background(p)));
+}
+
+#[test]
 fn the_nearer_surface_hides_the_farther() {
     let positions = [square(0.0).positions(), square(0.5).positions()].concat();
     let mesh = Mesh::new(positions, [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]).unwrap();

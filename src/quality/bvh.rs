@@ -29,9 +29,10 @@ use super::hash;
 const SLIVER: f64 = 1e-10;
 /// Boxes are widened by this much (frame units), far more than a coordinate's rounding.
 const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
-/// Queries farther than this from the frame's centre are moved in to it along their direction. What lies nearest to
-/// the nearer point is nearest to the farther one to within this share of the distance.
-const FAR: f64 = (1 << 20) as f64;
+/// Queries farther than this from the frame's centre (frame units) are moved in to it along their direction, where
+/// boxes can still be told apart. From so far away the surface's width is a matter of 1 / FAR^2: what lies nearest to
+/// the nearer point is nearest to the farther one to within that share of the distance.
+const FAR: f64 = (1 << 12) as f64;
 
 /// The corners of a triangle, object units.
 pub(crate) type Corners = [DVec3; 3];

@@ -105,9 +105,7 @@ impl Distance {
 
     /// Root of the mean of both directions' mean squares.
     pub fn rms(&self) -> f64 {
-        // By way of the larger one, so that no square overflows or vanishes.
-        let (low, high) = (self.forward.rms.min(self.backward.rms), self.forward.rms.max(self.backward.rms));
-        if high > 0.0 { high * (0.5 + 0.5 * (low / high).powi(2)).sqrt() } else { 0.0 }
+        ((self.forward.rms.powi(2) + self.backward.rms.powi(2)) * 0.5).sqrt()
     }
 
     /// A length in percent of the first mesh's diagonal.
@@ -182,7 +180,7 @@ pub fn vertex_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError
     Ok(chunks.concat())
 }
 
-/// Sums over one chunk of samples, in units of the sampled surface's size so that squares stay in range.
+/// Sums over one chunk of samples. Squares of single precision lengths are far inside the range of double precision.
 #[derive(Clone, Copy)]
 struct Partial {
     sum: f64,
@@ -196,12 +194,11 @@ impl Partial {
     const NONE: Self =
         Self { sum: 0.0, sum_of_squares: 0.0, max: -1.0, max_at: DVec3::ZERO, max_to: DVec3::ZERO };
 
-    fn add(&mut self, walker: &mut Walker<'_>, point: DVec3, unit: f64) {
+    fn add(&mut self, walker: &mut Walker<'_>, point: DVec3) {
         let nearest = walker.closest(point);
         let distance = nearest.distance_squared.sqrt();
-        let scaled = distance / unit;
-        self.sum += scaled;
-        self.sum_of_squares += scaled * scaled;
+        self.sum += distance;
+        self.sum_of_squares += nearest.distance_squared;
         if distance > self.max {
             (self.max, self.max_at, self.max_to) = (distance, point, nearest.point);
         }
@@ -218,13 +215,12 @@ impl Partial {
 }
 
 fn one_sided(mesh: &Mesh, from: &Bvh, to: &Bvh, options: &DistanceOptions) -> OneSided {
-    let unit = from.size();
     let area = |slot: u32| {
-        let [a, b, c] = from.corners(slot).map(|p| p / unit);
+        let [a, b, c] = from.corners(slot);
         (b - a).cross(c - a).length()
     };
     let faces = Shares::new((0..from.len() as u32).map(area), options.samples, options.seed);
-    let on_faces = over_chunks(faces.len(), to, unit, |range, add| {
+    let on_faces = over_chunks(faces.len(), to, |range, add| {
         for (slot, along) in faces.positions(range) {
             add(blend(&from.corners(slot as u32), sierpinski(along)));
         }
@@ -232,12 +228,12 @@ fn one_sided(mesh: &Mesh, from: &Bvh, to: &Bvh, options: &DistanceOptions) -> On
 
     let (corners, edges) = corners_and_edges(mesh, from);
     let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
-    let on_corners = over_chunks(corners.len(), to, unit, |range, add| {
+    let on_corners = over_chunks(corners.len(), to, |range, add| {
         corners[range].iter().for_each(|&v| add(position(v)));
     });
-    let lengths = edges.iter().map(|&[a, b]| (position(b) - position(a)).length() / unit);
+    let lengths = edges.iter().map(|&[a, b]| (position(b) - position(a)).length());
     let shares = Shares::new(lengths, options.samples.div_ceil(4), hash::mix(options.seed));
-    let on_edges = over_chunks(shares.len(), to, unit, |range, add| {
+    let on_edges = over_chunks(shares.len(), to, |range, add| {
         for (edge, along) in shares.positions(range) {
             let [a, b] = edges[edge].map(position);
             add(a + (b - a) * along);
@@ -248,8 +244,8 @@ fn one_sided(mesh: &Mesh, from: &Bvh, to: &Bvh, options: &DistanceOptions) -> On
     let count = faces.len().max(1) as f64;
     OneSided {
         max: highest.max.max(0.0),
-        mean: on_faces.sum / count * unit,
-        rms: (on_faces.sum_of_squares / count).sqrt() * unit,
+        mean: on_faces.sum / count,
+        rms: (on_faces.sum_of_squares / count).sqrt(),
         max_at: highest.max_at.to_array(),
         max_to: highest.max_to.to_array(),
         face_samples: faces.len(),
@@ -261,12 +257,11 @@ fn one_sided(mesh: &Mesh, from: &Bvh, to: &Bvh, options: &DistanceOptions) -> On
 fn over_chunks(
     count: usize,
     to: &Bvh,
-    unit: f64,
     points: impl Fn(std::ops::Range<usize>, &mut dyn FnMut(DVec3)) + Sync,
 ) -> Partial {
     map_chunks(count, CHUNK, |range| {
         let (mut walker, mut partial) = (to.walker(), Partial::NONE);
-        points(range, &mut |point| partial.add(&mut walker, point, unit));
+        points(range, &mut |point| partial.add(&mut walker, point));
         partial
     })
     .into_iter()

@@ -25,8 +25,7 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// `samples` positions over elements of the given measures. Measures are scaled as a whole by whoever calls, such
-    /// that they neither overflow nor vanish.
+    /// `samples` positions over elements of the given measures.
     pub(crate) fn new(measures: impl Iterator<Item = f64>, samples: usize, seed: u64) -> Self {
         let mut total = 0.0;
         let ends = measures
