@@ -355,6 +355,13 @@ impl<'a> Slots<'a> {
         let sequence = self.sequence;
         let folds = if step == 0 { sequence.aliases() } else { &[] };
         let substitutions = sequence.substitutions(step);
+        // First, since they may have duplicates, which part from them.
+        if step == 0 {
+            for &v in self.unused.iter().filter(|&&v| (v as usize) < sequence.input_vertices()) {
+                self.parted.push([self.holder.len() as u32; 2]);
+                self.add(v);
+            }
+        }
         // Last first: the slot of each target is then known, even if the same step does away with it.
         for &[from, to] in substitutions.iter().rev().chain(folds) {
             self.slot[from as usize] = self.slot[to as usize];
@@ -374,12 +381,6 @@ impl<'a> Slots<'a> {
             } else {
                 self.parted.push([k, self.holder.len() as u32]);
                 self.add(from);
-            }
-        }
-        if step == 0 {
-            for &v in self.unused.iter().filter(|&&v| (v as usize) < sequence.input_vertices()) {
-                self.parted.push([self.holder.len() as u32; 2]);
-                self.add(v);
             }
         }
         self.mark();
