@@ -71,7 +71,10 @@ proptest! {
                 .collect();
             prop_assert_eq!(in_input(&built, &indices(tom, at)), expected);
             prop_assert_eq!(at.triangles(), sequence.triangles_after(steps));
-            prop_assert!(at.error() >= sequence.error_after(steps) || at == tom.finest());
+            // Steps that change nothing leave the bound as it was before them.
+            let same = (0..=steps).rev().take_while(|&k| k == steps || sequence.substitutions(k).is_empty()).last();
+            let bound = sequence.error_after(same.unwrap());
+            prop_assert!(at.error() >= bound && (at.error() == 0.0 || at != tom.finest()));
             prop_assert_eq!(tom.index_count(at), 3 * at.triangles());
         }
         prop_assert!(left.next().is_none());
@@ -313,6 +316,7 @@ fn a_seam_never_tears() {
         let mut edges: Vec<_> = (indices(tom, r).as_chunks().0.iter())
             .flat_map(|&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]])
             .map(|[a, b]| (bits(a).min(bits(b)), bits(a).max(bits(b))))
+            .filter(|(a, b)| a != b)
             .collect();
         edges.sort_unstable();
         assert!(edges.chunk_by(|a, b| a == b).all(|e| e.len() % 2 == 0), "{} vertices", r.vertices());
@@ -404,7 +408,7 @@ fn cursor_memory_is_what_is_documented() {
     let steps = Arc::new(TomSteps::new(tom).unwrap());
     let table = (steps.memory() - own) as f64 / vertices as f64;
     eprintln!("the table takes {table:.1} bytes a vertex");
-    assert!((18.0..32.0).contains(&table), "{table}");
+    assert!((12.0..24.0).contains(&table), "{table}");
     let cursor = TomCursor::new(steps);
     let over = cursor.memory() - 12 * triangles;
     assert!(over <= triangles * 3 / 64 / 8 + 1024, "{over}");
