@@ -237,11 +237,11 @@ proptest! {
     #[test]
     fn parts_that_pass_are_usable(
         (mesh, sequence) in endpoint(),
-        changes in prop::collection::vec((0u8..8, any::<prop::sample::Index>(), any::<u8>(), any::<bool>()), 1..4),
+        changes in prop::collection::vec((0u8..9, any::<prop::sample::Index>(), any::<u8>(), any::<bool>()), 1..4),
     ) {
         let mut parts = TomParts::from(build(&mesh, &sequence).tom);
         for (what, at, value, flag) in changes {
-            let value = u32::from(value) % 48 | if flag { 1 << 31 } else { 0 };
+            let value = if flag { u32::MAX - u32::from(value) } else { u32::from(value) % 48 };
             let change = |array: &mut [u32]| if !array.is_empty() { array[at.index(array.len())] = value };
             match what {
                 0 => change(&mut parts.substitute),
@@ -251,6 +251,7 @@ proptest! {
                 4 => parts.base_vertices = value,
                 5 => drop(parts.substitute.pop()),
                 6 => drop(parts.triangles.pop()),
+                7 => parts.joined = vec![u64::from(value) << (value % 48)],
                 _ => parts.error_marks.iter_mut().for_each(|m| m.vertices ^= value),
             }
         }
@@ -467,9 +468,9 @@ fn overhead_counts_hops() {
 ///        2 ---- 4 ---- 5 ---- 6
 /// ```
 fn parts() -> TomParts {
-    const FIRST: u32 = 1 << 31;
     TomParts {
-        substitute: vec![0, 1, 2, 1 | FIRST, 3 | FIRST, 4, 5 | FIRST],
+        substitute: vec![0, 1, 2, 1, 3, 4, 5],
+        joined: vec![1 << 5],
         base_vertices: 3,
         triangles: vec![[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5], [3, 5, 6]],
         error_marks: vec![ErrorMark { vertices: 3, error: 2.0 }, ErrorMark { vertices: 4, error: 1.0 }],
@@ -495,16 +496,12 @@ fn the_parts_to_break_are_whole() {
 #[test]
 fn late_substitutes_are_refused() {
     assert_eq!(refusal(|p| p.substitute[4] = 4), TomError::LateSubstitute { vertex: 4, substitute: 4 });
-    assert_eq!(
-        refusal(|p| p.substitute[3] = 6 | 1 << 31),
-        TomError::LateSubstitute { vertex: 3, substitute: 6 }
-    );
+    assert_eq!(refusal(|p| p.substitute[3] = 6), TomError::LateSubstitute { vertex: 3, substitute: 6 });
 }
 
 #[test]
 fn base_vertices_that_go_are_refused() {
     assert_eq!(refusal(|p| p.substitute[1] = 0), TomError::BaseSubstitute { vertex: 1 });
-    assert_eq!(refusal(|p| p.substitute[2] |= 1 << 31), TomError::BaseSubstitute { vertex: 2 });
     assert_eq!(refusal(|p| p.base_vertices = 4), TomError::BaseSubstitute { vertex: 3 });
     assert_eq!(refusal(|p| p.base_vertices = 2), TomError::LateSubstitute { vertex: 2, substitute: 2 });
     let error = refusal(|p| p.base_vertices = 8);
@@ -512,11 +509,14 @@ fn base_vertices_that_go_are_refused() {
 }
 
 #[test]
-fn unmarked_groups_are_refused() {
-    assert_eq!(refusal(|p| p.substitute[3] = 1), TomError::Group { vertex: 3 });
-    // Later marks are no error by themselves: they only say which vertices go together. Here two steps become one, at
-    // whose end an error mark then has no place.
-    assert_eq!(refusal(|p| p.substitute[4] = 3), TomError::ErrorMark { mark: 1 });
+fn misplaced_groups_are_refused() {
+    assert_eq!(refusal(|p| p.joined[0] |= 1 << 3), TomError::Group { vertex: 3 });
+    assert_eq!(refusal(|p| p.joined[0] |= 1), TomError::Group { vertex: 0 });
+    assert_eq!(refusal(|p| p.joined[0] |= 1 << 7), TomError::Group { vertex: 7 });
+    let error = refusal(|p| p.joined.push(0));
+    assert_eq!(error, TomError::Length { what: "group words", found: 2, expected: 1 });
+    // Two steps become one, at whose end an error mark then has no place.
+    assert_eq!(refusal(|p| p.joined[0] |= 1 << 4), TomError::ErrorMark { mark: 1 });
 }
 
 #[test]
@@ -567,7 +567,7 @@ fn a_broken_file_is_refused() {
 fn long_chains_are_checked_in_time() {
     let count = 200_000u32;
     let mut parts = TomParts { base_vertices: 3, substitute: vec![0, 1, 2], ..TomParts::default() };
-    parts.substitute.extend((3..count).map(|v| (v - 1) | 1 << 31));
+    parts.substitute.extend((3..count).map(|v| v - 1));
     parts.triangles = vec![[count - 1, 0, 1]; 200_000];
     parts.error_marks = vec![ErrorMark { vertices: 3, error: 1.0 }];
     assert!(TotallyOrderedMesh::try_from(parts).is_ok());

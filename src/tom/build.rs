@@ -5,7 +5,7 @@ use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
 use crate::simplify::CollapseSequence;
 use crate::simplify::lineage::Lineage;
 
-use super::{ErrorMark, FIRST, TomError, TotallyOrderedMesh};
+use super::{ErrorMark, TomError, TotallyOrderedMesh};
 
 /// Most error marks of a mesh.
 pub(super) const MOST_MARKS: usize = 1024;
@@ -96,13 +96,14 @@ impl TotallyOrderedMesh {
         }
         let lineage = Lineage::new(mesh, sequence)?;
         let base_vertices = lineage.roots;
-        let substitute = (0..lineage.real).map(|v| {
-            let parent = lineage.parent(v);
-            // The first base vertex has no predecessor, and no base vertex starts a group.
-            let first = v >= base_vertices
-                && (v == base_vertices || lineage.removed[v as usize] != lineage.removed[v as usize - 1]);
-            if first { parent | FIRST } else { parent }
-        });
+        let removed = &lineage.removed[..lineage.real as usize];
+        let mut joined = vec![0u64; removed.len().div_ceil(64)];
+        for v in base_vertices as usize + 1..removed.len() {
+            joined[v / 64] |= u64::from(removed[v] == removed[v - 1]) << (v % 64);
+        }
+        if joined.iter().all(|&word| word == 0) {
+            joined = Vec::new();
+        }
 
         let ends: Vec<u32> = mesh.triangles().iter().map(|&t| lineage.end(t)).collect();
         let (triangle_order, left) = sort_by_end(&ends, sequence.len());
@@ -123,7 +124,8 @@ impl TotallyOrderedMesh {
         }
 
         let mut tom = Self {
-            substitute: substitute.collect(),
+            substitute: (0..lineage.real).map(|v| lineage.parent(v)).collect(),
+            joined,
             base_vertices,
             triangles,
             error_marks: Vec::new(),

@@ -43,8 +43,8 @@ pub enum TomError {
         /// Its substitute.
         substitute: u32,
     },
-    /// The first vertex after the base does not start a group.
-    #[error("vertex {vertex} is the first after the base, but is not marked as the first of its group")]
+    /// A vertex is joined to the one before it, but is in the base, the first after it, or not there.
+    #[error("vertex {vertex} is joined to the one before it, but one of the two is never removed")]
     Group {
         /// The vertex.
         vertex: usize,

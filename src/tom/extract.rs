@@ -1,15 +1,20 @@
 //! The indices of a resolution: copy the first triangles, then replace what is not active.
 //!
 //! At full resolution that is a copy. Below it, corners need a different number of hops each, and a loop per corner would
-//! spend its time on mispredicted branches. So a block of corners takes passes: in each, every corner that is not there
-//! yet makes one hop, as a conditional move, and those that need more are appended, without a branch, to a list for the
-//! next pass.
+//! spend its time on mispredicted branches. There are two ways round that:
+//!
+//! - A table of what stands for every vertex. Substitutes come before what they stand for, so one pass in order fills it
+//!   with one load a vertex, and corners are then looked up. Best where there are corners enough to pay for it.
+//! - For coarse resolutions, corners in lanes of eight, each making some hops as a conditional move, then hops in lanes
+//!   until all eight are there.
 
-use super::{Resolution, SUBSTITUTE, TotallyOrderedMesh};
+use super::{Resolution, TotallyOrderedMesh};
 use crate::mesh::NONE;
 
-/// Corners per block: positions in it and the list of those left both stay in the first-level cache. A power of two.
-const BLOCK: usize = 1024;
+/// Corners that hop together.
+const LANES: usize = 8;
+/// Hops that all lanes make before it is asked whether they are there.
+const HOPS: usize = 3;
 
 /// Where the triangles of one material lie in a filled index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,13 +35,16 @@ impl TotallyOrderedMesh {
     }
 
     /// Fills `out` with the indices of a resolution, replacing what it held. No index reaches
-    /// [`Resolution::vertices`]. O(output times mean chain length, see [`TotallyOrderedMesh::traversal_overhead`]);
-    /// allocates only where `out` is too small.
+    /// [`Resolution::vertices`].
+    ///
+    /// O(output + vertices) for more indices than a third of the vertices, else O(output times the mean number of hops,
+    /// [`TotallyOrderedMesh::traversal_overhead`]). The room behind the indices serves as a table: allocates only where
+    /// `out` has a capacity below indices plus vertices.
     pub fn fill_indices(&self, resolution: Resolution, out: &mut Vec<u32>) {
         let resolution = self.clamp(resolution);
         out.clear();
         out.extend_from_slice(self.stored(resolution));
-        self.substitute_all(resolution.vertices, out);
+        self.substitute_in(resolution.vertices, out);
     }
 
     /// Writes the indices of a resolution to the front of `out`, as many whole triangles as fit, and returns how many
@@ -46,7 +54,7 @@ impl TotallyOrderedMesh {
         let stored = self.stored(resolution);
         let count = stored.len().min(out.len() / 3 * 3);
         out[..count].copy_from_slice(&stored[..count]);
-        self.substitute_all(resolution.vertices, &mut out[..count]);
+        substitute_lanes(&self.substitute, resolution.vertices, &mut out[..count]);
         count
     }
 
@@ -89,7 +97,7 @@ impl TotallyOrderedMesh {
             out[place..place + 3].copy_from_slice(corners);
             range.count += 3;
         }
-        self.substitute_all(resolution.vertices, out);
+        self.substitute_in(resolution.vertices, out);
     }
 
     /// Hops along substitution chains per corner drawn: the extra vertices that extraction visits (TOM, figure 6). 0 at
@@ -101,7 +109,7 @@ impl TotallyOrderedMesh {
         for &corner in stored {
             let mut v = corner;
             while v >= resolution.vertices {
-                v = self.substitute[v as usize] & SUBSTITUTE;
+                v = self.substitute[v as usize];
                 hops += 1;
             }
         }
@@ -113,36 +121,50 @@ impl TotallyOrderedMesh {
     }
 
     /// Replaces every corner by the active vertex that stands for it.
-    fn substitute_all(&self, active: u32, corners: &mut [u32]) {
-        if (active as usize) < self.substitute.len() {
-            for block in corners.chunks_mut(BLOCK) {
-                substitute_block(&self.substitute, active, block);
-            }
+    fn substitute_in(&self, active: u32, corners: &mut Vec<u32>) {
+        let vertices = self.substitute.len();
+        if active as usize == vertices {
+            return;
         }
+        // A table entry costs about as much as a third of a corner's hops.
+        if corners.len() < vertices / 3 {
+            return substitute_lanes(&self.substitute, active, corners);
+        }
+        let count = corners.len();
+        corners.extend(0..active);
+        corners.extend_from_slice(&self.substitute[active as usize..]);
+        let (indices, table) = corners.split_at_mut(count);
+        for v in active as usize..table.len() {
+            table[v] = table[table[v] as usize];
+        }
+        for index in indices {
+            *index = table[*index as usize];
+        }
+        corners.truncate(count);
     }
 }
 
-/// At most [`BLOCK`] corners. `active` is at least the base, where chains end.
-fn substitute_block(substitute: &[u32], active: u32, corners: &mut [u32]) {
-    let mut left = [0u16; BLOCK];
-    let mut count = 0;
-    for (i, corner) in corners.iter_mut().enumerate() {
-        let next = substitute[*corner as usize] & SUBSTITUTE;
-        let v = if *corner < active { *corner } else { next };
-        *corner = v;
-        left[count & (BLOCK - 1)] = i as u16;
-        count += usize::from(v >= active);
-    }
-    while count > 0 {
-        let mut kept = 0;
-        for at in 0..count {
-            let i = left[at & (BLOCK - 1)];
-            let corner = &mut corners[i as usize];
-            let v = substitute[*corner as usize] & SUBSTITUTE;
-            *corner = v;
-            left[kept & (BLOCK - 1)] = i;
-            kept += usize::from(v >= active);
+/// `active` is at least the base, where chains end.
+fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
+    let hop = |lanes: &mut [u32; LANES]| {
+        // Load for all, then choose for all: nothing to branch on.
+        let next = lanes.map(|v| substitute[v as usize]);
+        for (v, next) in lanes.iter_mut().zip(next) {
+            *v = if *v < active { *v } else { next };
         }
-        count = kept;
+    };
+    let (lanes, rest) = corners.as_chunks_mut::<LANES>();
+    for corners in lanes {
+        let mut lanes = *corners;
+        (0..HOPS).for_each(|_| hop(&mut lanes));
+        while lanes.iter().fold(false, |any, &v| any | (v >= active)) {
+            hop(&mut lanes);
+        }
+        *corners = lanes;
+    }
+    for corner in rest {
+        while *corner >= active {
+            *corner = substitute[*corner as usize];
+        }
     }
 }

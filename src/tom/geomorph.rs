@@ -1,6 +1,6 @@
 //! Smooth transitions: where the vertices of a finer resolution move on the way to a coarser one.
 
-use super::{Resolution, SUBSTITUTE, TotallyOrderedMesh};
+use super::{Resolution, TotallyOrderedMesh};
 
 impl TotallyOrderedMesh {
     /// Fills `targets` with the vertex that each vertex of the finer resolution moves to on the way to the coarser one:
@@ -15,8 +15,7 @@ impl TotallyOrderedMesh {
         let (coarse, fine) = (a.min(b), a.max(b));
         targets.clear();
         targets.reserve((fine - coarse) as usize);
-        for &entry in &self.substitute[coarse as usize..fine as usize] {
-            let to = entry & SUBSTITUTE;
+        for &to in &self.substitute[coarse as usize..fine as usize] {
             // Substitutes come before what they stand for, so theirs are known already.
             targets.push(if to < coarse { to } else { targets[(to - coarse) as usize] });
         }

@@ -68,11 +68,6 @@ pub use validate::TomParts;
 
 use crate::mesh::NONE;
 
-/// Marks a vertex as the first of its group.
-pub(crate) const FIRST: u32 = 1 << 31;
-/// The rest: the substitute.
-pub(crate) const SUBSTITUTE: u32 = FIRST - 1;
-
 /// From so many active vertices on, the error is at most this.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -88,8 +83,11 @@ pub struct ErrorMark {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TomParts", into = "TomParts"))]
 pub struct TotallyOrderedMesh {
-    /// Per vertex an earlier one, and [`FIRST`]; base vertices are their own.
+    /// Per vertex an earlier one; base vertices are their own.
     substitute: Vec<u32>,
+    /// One bit a vertex: whether it comes and goes with the one before it. Empty where none does. Kept apart so that
+    /// following a chain is one load a hop.
+    joined: Vec<u64>,
     base_vertices: u32,
     /// Corners at full resolution, last vanishing first.
     triangles: Vec<[u32; 3]>,
@@ -119,7 +117,7 @@ impl TotallyOrderedMesh {
 
     /// The vertex that takes a vertex's place once it is not active; itself for a base vertex, `None` out of range.
     pub fn substitute(&self, vertex: u32) -> Option<u32> {
-        self.substitute.get(vertex as usize).map(|s| s & SUBSTITUTE)
+        self.substitute.get(vertex as usize).copied()
     }
 
     /// The error bounds that [`Resolution::error`] is read from: about one per 128 vertices, at most 1024, ascending in
@@ -137,6 +135,7 @@ impl TotallyOrderedMesh {
     /// takes in memory at all levels of detail.
     pub fn memory(&self, vertex_bytes: usize) -> usize {
         size_of_val(&self.substitute[..])
+            + size_of_val(&self.joined[..])
             + size_of_val(&self.triangles[..])
             + size_of_val(&self.error_marks[..])
             + size_of_val(&self.material_of[..])
@@ -147,7 +146,7 @@ impl TotallyOrderedMesh {
     /// The vertex standing for `vertex` where `active` vertices are; `active` is at least the base.
     fn resolve(&self, mut vertex: u32, active: u32) -> u32 {
         while vertex >= active {
-            vertex = self.substitute[vertex as usize] & SUBSTITUTE;
+            vertex = self.substitute[vertex as usize];
         }
         vertex
     }
@@ -169,17 +168,19 @@ impl TotallyOrderedMesh {
                 return NONE;
             }
             last = a;
-            a = self.substitute[a as usize] & SUBSTITUTE;
+            a = self.substitute[a as usize];
         }
         last
     }
 
+    /// Whether a vertex comes and goes with the one before it.
+    fn is_joined(&self, vertex: u32) -> bool {
+        self.joined.get(vertex as usize / 64).is_some_and(|word| word >> (vertex % 64) & 1 != 0)
+    }
+
     /// Whether this many active vertices are whole groups.
     fn is_boundary(&self, vertices: u32) -> bool {
-        vertices == self.base_vertices
-            || vertices as usize == self.substitute.len()
-            || (vertices > self.base_vertices
-                && self.substitute.get(vertices as usize).is_some_and(|s| s & FIRST != 0))
+        (self.base_vertices..=self.substitute.len() as u32).contains(&vertices) && !self.is_joined(vertices)
     }
 
     /// The largest boundary that is at most `vertices`, or the base. O(size of one group).

@@ -11,7 +11,7 @@
 
 use crate::mesh::NONE;
 
-use super::{FIRST, MaterialRange, SUBSTITUTE, TomError, TotallyOrderedMesh};
+use super::{MaterialRange, TomError, TotallyOrderedMesh};
 
 /// A totally ordered mesh with the corners that every step rewrites. Immutable; share it between [`TomCursor`]s.
 ///
@@ -143,9 +143,9 @@ fn layout(tom: &TotallyOrderedMesh, by_material: bool) -> (Vec<u32>, Vec<Materia
 /// The first vertex of every vertex's group; 0 for base vertices.
 fn group_firsts(tom: &TotallyOrderedMesh) -> Vec<u32> {
     let mut first = 0;
-    let firsts = tom.substitute.iter().enumerate().map(|(v, entry)| {
-        if entry & FIRST != 0 {
-            first = v as u32;
+    let firsts = (0..tom.substitute.len() as u32).map(|v| {
+        if v >= tom.base_vertices && !tom.is_joined(v) {
+            first = v;
         }
         first
     });
@@ -168,7 +168,7 @@ fn each_move(tom: &TotallyOrderedMesh, group_first: &[u32], mut f: impl FnMut(u3
                 }
                 let first = group_first[v as usize];
                 while v >= first {
-                    v = tom.substitute[v as usize] & SUBSTITUTE;
+                    v = tom.substitute[v as usize];
                 }
             }
         }

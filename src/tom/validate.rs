@@ -1,17 +1,19 @@
 //! Every promise of a totally ordered mesh, checked; and the plain parts it is made of, in and out.
 
-use crate::mesh::{MAX_ELEMENTS, NONE};
+use crate::mesh::MAX_ELEMENTS;
 use crate::simplify::lineage::{Forest, is_degenerate};
 
-use super::{ErrorMark, FIRST, SUBSTITUTE, TomError, TotallyOrderedMesh};
+use super::{ErrorMark, TomError, TotallyOrderedMesh};
 
 /// The arrays of a [`TotallyOrderedMesh`], for file formats of your own.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TomParts {
     /// Per vertex the one that takes its place, always an earlier one; base vertices (the first ones) name themselves.
-    /// The top bit marks the first vertex of each group that one step removes, and no base vertex.
     pub substitute: Vec<u32>,
+    /// One bit a vertex, 64 a word, lowest first: whether one step removes it together with the vertex before it. Unset
+    /// for base vertices and the one after them. Empty where no bit is set.
+    pub joined: Vec<u64>,
     /// Number of base vertices.
     pub base_vertices: u32,
     /// Corners at full resolution, sorted by the group with which the triangle vanishes, base triangles first.
@@ -28,13 +30,14 @@ impl From<TotallyOrderedMesh> for TomParts {
     fn from(tom: TotallyOrderedMesh) -> Self {
         let TotallyOrderedMesh {
             substitute,
+            joined,
             base_vertices,
             triangles,
             error_marks,
             material_of,
             material_ids,
         } = tom;
-        Self { substitute, base_vertices, triangles, error_marks, material_of, material_ids }
+        Self { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids }
     }
 }
 
@@ -42,8 +45,10 @@ impl TryFrom<TomParts> for TotallyOrderedMesh {
     type Error = TomError;
 
     fn try_from(parts: TomParts) -> Result<Self, TomError> {
-        let TomParts { substitute, base_vertices, triangles, error_marks, material_of, material_ids } = parts;
-        let tom = Self { substitute, base_vertices, triangles, error_marks, material_of, material_ids };
+        let TomParts { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids } =
+            parts;
+        let tom =
+            Self { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids };
         tom.validate()?;
         Ok(tom)
     }
@@ -78,26 +83,28 @@ impl TotallyOrderedMesh {
                 if entry as usize != vertex {
                     return Err(TomError::BaseSubstitute { vertex });
                 }
-            } else if (entry & SUBSTITUTE) as usize >= vertex {
-                return Err(TomError::LateSubstitute { vertex, substitute: entry & SUBSTITUTE });
+            } else if entry as usize >= vertex {
+                return Err(TomError::LateSubstitute { vertex, substitute: entry });
             }
         }
-        match self.substitute.get(base) {
-            Some(entry) if entry & FIRST == 0 => Err(TomError::Group { vertex: base }),
-            _ => Ok(()),
+        let expected = if self.joined.is_empty() { 0 } else { self.substitute.len().div_ceil(64) };
+        if self.joined.len() != expected {
+            return Err(TomError::Length { what: "group words", found: self.joined.len(), expected });
         }
+        let inside = base + 1..self.substitute.len();
+        let stray = (0..64 * self.joined.len()).find(|&v| self.is_joined(v as u32) && !inside.contains(&v));
+        stray.map_or(Ok(()), |vertex| Err(TomError::Group { vertex }))
     }
 
     fn validate_triangles(&self) -> Result<(), TomError> {
         let vertices = self.substitute.len();
-        let forest = Forest::new(self.substitute.iter().map(|s| s & SUBSTITUTE).collect());
+        let forest = Forest::new(self.substitute.clone());
         let mut group = 0;
-        let group_of: Vec<u32> = (self.substitute.iter())
-            .map(|entry| {
-                group += entry >> 31;
-                group
-            })
-            .collect();
+        let groups = (0..vertices as u32).map(|v| {
+            group += u32::from(v >= self.base_vertices && !self.is_joined(v));
+            group
+        });
+        let group_of: Vec<u32> = groups.collect();
         let mut latest = 0;
         for (triangle, &corners) in self.triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
@@ -121,14 +128,14 @@ impl TotallyOrderedMesh {
         if !starts_at_base && !(self.substitute.is_empty() && self.error_marks.is_empty()) {
             return Err(TomError::ErrorMark { mark: 0 });
         }
-        let (mut above, mut error) = (NONE, f32::INFINITY);
+        let (mut above, mut error) = (None, f32::INFINITY);
         for (mark, entry) in self.error_marks.iter().enumerate() {
-            let ascends = above == NONE || entry.vertices > above;
+            let ascends = above.is_none_or(|above| entry.vertices > above);
             let falls = entry.error >= 0.0 && entry.error <= error;
             if !(ascends && falls && self.is_boundary(entry.vertices)) {
                 return Err(TomError::ErrorMark { mark });
             }
-            (above, error) = (entry.vertices, entry.error);
+            (above, error) = (Some(entry.vertices), entry.error);
         }
         Ok(())
     }
