@@ -222,8 +222,7 @@ fn check_tables(mesh: &Mesh, sequence: &CollapseSequence) -> Result<(), Sequence
     }
     let mut least = 0.0;
     for (step, &error) in sequence.max_error.iter().enumerate() {
-        // Written so that NaN fails.
-        if !(error >= least) {
+        if error.is_nan() || error < least {
             return Err(SequenceError::BadError { step, error });
         }
         least = error;

@@ -37,7 +37,7 @@ impl TotallyOrderedMesh {
     /// Fills `out` with the indices of a resolution, replacing what it held. No index reaches
     /// [`Resolution::vertices`].
     ///
-    /// O(output + vertices) for more indices than a third of the vertices, else O(output times the mean number of hops,
+    /// O(output + vertices) for at least a quarter as many indices as vertices, else O(output times the mean number of hops,
     /// [`TotallyOrderedMesh::traversal_overhead`]). The room behind the indices serves as a table: allocates only where
     /// `out` has a capacity below indices plus vertices.
     pub fn fill_indices(&self, resolution: Resolution, out: &mut Vec<u32>) {
@@ -126,8 +126,8 @@ impl TotallyOrderedMesh {
         if active as usize == vertices {
             return;
         }
-        // A table entry costs about as much as a third of a corner's hops.
-        if corners.len() < vertices / 3 {
+        // A table entry costs about a quarter of a coarse corner's hops.
+        if corners.len() < vertices / 4 {
             return substitute_lanes(&self.substitute, active, corners);
         }
         let count = corners.len();
@@ -146,25 +146,35 @@ impl TotallyOrderedMesh {
 
 /// `active` is at least the base, where chains end.
 fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
-    let hop = |lanes: &mut [u32; LANES]| {
-        // Load for all, then choose for all: nothing to branch on.
-        let next = lanes.map(|v| substitute[v as usize]);
-        for (v, next) in lanes.iter_mut().zip(next) {
-            *v = if *v < active { *v } else { next };
+    let mut chunks = corners.chunks_exact_mut(LANES);
+    for corners in &mut chunks {
+        let mut lanes = [0; LANES];
+        lanes.copy_from_slice(corners);
+        for _ in 0..HOPS {
+            hop(substitute, active, &mut lanes);
         }
-    };
-    let (lanes, rest) = corners.as_chunks_mut::<LANES>();
-    for corners in lanes {
-        let mut lanes = *corners;
-        (0..HOPS).for_each(|_| hop(&mut lanes));
         while lanes.iter().fold(false, |any, &v| any | (v >= active)) {
-            hop(&mut lanes);
+            hop(substitute, active, &mut lanes);
         }
-        *corners = lanes;
+        corners.copy_from_slice(&lanes);
     }
-    for corner in rest {
+    for corner in chunks.into_remainder() {
         while *corner >= active {
             *corner = substitute[*corner as usize];
         }
+    }
+}
+
+/// One hop for each lane that is not there yet. All lanes load before any chooses: written so, and with indices, the
+/// choice compiles to conditional moves; with iterators over both at once it has been seen to compile to branches.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn hop(substitute: &[u32], active: u32, lanes: &mut [u32; LANES]) {
+    let mut next = [0; LANES];
+    for i in 0..LANES {
+        next[i] = substitute[lanes[i] as usize];
+    }
+    for i in 0..LANES {
+        lanes[i] = if lanes[i] < active { lanes[i] } else { next[i] };
     }
 }

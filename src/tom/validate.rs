@@ -124,8 +124,11 @@ impl TotallyOrderedMesh {
     }
 
     fn validate_error_marks(&self) -> Result<(), TomError> {
-        let starts_at_base = self.error_marks.first().is_some_and(|m| m.vertices == self.base_vertices);
-        if !starts_at_base && !(self.substitute.is_empty() && self.error_marks.is_empty()) {
+        let starts = match self.error_marks.first() {
+            Some(mark) => mark.vertices == self.base_vertices,
+            None => self.substitute.is_empty(),
+        };
+        if !starts {
             return Err(TomError::ErrorMark { mark: 0 });
         }
         let (mut above, mut error) = (None, f32::INFINITY);
