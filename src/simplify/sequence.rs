@@ -226,23 +226,15 @@ impl CollapseSequence {
     fn attribute(&self, source: &Attribute, vertices: &[u32]) -> Attribute {
         let width = source.width();
         let values = match source.values() {
-            AttributeValues::Float(v) => {
-                AttributeValues::Float(self.arrange_with(v, width, vertices, |a, b, w| {
-                    if w == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * w }
-                }))
+            AttributeValues::Float(v) => AttributeValues::Float(self.arrange_with(v, width, vertices, |a, b, w| {
+                if w == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * w }
+            })),
+            AttributeValues::Int(v) => {
+                AttributeValues::Int(self.arrange_with(v, width, vertices, |a, b, w| if w > 0.5 { b } else { a }))
             }
-            AttributeValues::Int(v) => AttributeValues::Int(self.arrange_with(
-                v,
-                width,
-                vertices,
-                |a, b, w| if w > 0.5 { b } else { a },
-            )),
-            AttributeValues::Uint(v) => AttributeValues::Uint(self.arrange_with(
-                v,
-                width,
-                vertices,
-                |a, b, w| if w > 0.5 { b } else { a },
-            )),
+            AttributeValues::Uint(v) => {
+                AttributeValues::Uint(self.arrange_with(v, width, vertices, |a, b, w| if w > 0.5 { b } else { a }))
+            }
         };
         let mut result = Attribute::new(source.name(), width, values);
         if !self.new_vertices.is_empty() {
