@@ -44,7 +44,7 @@ const TABLE: &[(&str, Outcome)] = &[
     ("bad_index.obj", Refused("line 124: a face names vertex 0")),
     (
         "bad_uv.obj",
-        Loads(70, 80, "3 texture or normal indices name nothing and count as 0, first at line 142"),
+        Loads(70, 80, "3 texture or normal indices name nothing and count as 0, such as at line 142"),
     ),
     ("book_edge.obj", Loads(172, 328, "")),
     ("bowtie_vertex.obj", Loads(90, 164, "")),
@@ -170,6 +170,18 @@ fn moving_the_origin_keeps_small_things_far_away() {
     let same =
         io::read_with(&path, &ReadOptions::default().with_origin(SceneOrigin::At(moved.origin))).unwrap();
     assert_eq!(same, moved);
+}
+
+#[test]
+fn notes_name_a_line() {
+    let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/9 3\nf 1 2\n";
+    let found = io::read_bytes_with(Format::Obj, text, &ReadOptions::default()).unwrap();
+    let notes = found.notes.join("\n");
+    assert!(
+        notes.contains("1 texture or normal indices name nothing and count as 0, such as at line 5"),
+        "{notes}"
+    );
+    assert!(notes.contains("1 faces with fewer than 3 corners left out, such as at line 6"), "{notes}");
 }
 
 /// A file, its format, and words of the error.

@@ -124,6 +124,12 @@ fn readers_reserve_a_multiple_of_the_file() {
         assert!(held <= FLOOR + FACTOR * bytes.len(), "{format}: {held} bytes for a file of {}", bytes.len());
     }
 
+    // An entry of a document takes three bytes there, and a structure here.
+    let nodes = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{{}}{}]}}"#, ",{}".repeat(300_000));
+    let (held, result) = peak(|| io::read_bytes(Format::Gltf, nodes.as_bytes()));
+    assert!(result.is_ok());
+    assert!(held <= 192 * nodes.len(), "{held} bytes for {} of nodes", nodes.len());
+
     let root = std::env::var_os("MULTIRES_MODELS")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
     if !root.is_dir() {

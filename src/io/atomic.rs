@@ -16,7 +16,7 @@ pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write`], with a closure that writes the content.
+/// As [`write()`], with a closure that writes the content.
 ///
 /// # Errors
 /// What `fill` or the system says.

@@ -82,7 +82,7 @@ fn note_non_finite(attribute: &Attribute, notes: &mut Vec<String>) {
     }
 }
 
-/// Counts something worth telling, and remembers where it was first.
+/// Counts something worth telling, and remembers where the first that was added is.
 #[derive(Default)]
 pub(super) struct Tally {
     count: usize,
@@ -97,10 +97,10 @@ impl Tally {
         self.count += 1;
     }
 
-    /// Puts "`count` `what`, first at `place` N" among the notes, if there was any.
+    /// Puts "`count` `what`, such as at `place` N" among the notes, if there was any.
     pub fn note(&self, what: &str, place: &str, notes: &mut Vec<String>) {
         if self.count > 0 {
-            notes.push(format!("{} {what}, first at {place} {}", self.count, self.first));
+            notes.push(format!("{} {what}, such as at {place} {}", self.count, self.first));
         }
     }
 }

@@ -6,7 +6,8 @@
 //! that no face uses are kept. A `vt` or `vn` index that names nothing counts as not given and is noted; a `v` index
 //! that names nothing is an error.
 //!
-//! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`; other attributes and locks are left out.
+//! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`; other attributes and locks are left out. Material ids
+//! beyond the names are called `material_ID`, and come back numbered by appearance.
 //!
 //! The parser is our own: the origin has to be moved in double precision before rounding, file order has to be kept,
 //! and a face may name vertices below it in the file.
@@ -39,8 +40,8 @@ struct Statements {
     face_materials: Vec<u32>,
     material_names: Vec<String>,
     material_ids: BTreeMap<String, u32>,
-    /// The largest v index and its line: a face may come before its vertices.
-    largest: (u32, usize),
+    /// The largest index of each kind and its line: a face may come before what it names.
+    largest: [(u32, usize); 3],
     small_faces: Tally,
     bad_attributes: Tally,
 }
@@ -55,7 +56,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
         let position = statements.positions[vertex].map(|x| x as f32);
         return Err(MeshError::NonFinitePosition { vertex, position }.into());
     }
-    let (largest, line) = statements.largest;
+    let (largest, line) = statements.largest[0];
     if largest as usize >= count && line > 0 {
         let given = u64::from(largest) + 1;
         return Err(ReadError::line(line, format!("a face names vertex {given}, but there are {count}")));
@@ -67,7 +68,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
         for (index, limit) in [(1, statements.uvs.len()), (2, statements.normals.len())] {
             if corner[index] != NONE && corner[index] as usize >= limit {
                 corner[index] = NONE;
-                statements.bad_attributes.add(0);
+                statements.bad_attributes.add(statements.largest[index].1);
             }
         }
     }
@@ -207,8 +208,10 @@ impl Statements {
                     }
                 }
             }
-            if corner[0] >= self.largest.0 {
-                self.largest = (corner[0], line);
+            for (largest, &index) in self.largest.iter_mut().zip(&corner) {
+                if index >= largest.0 && index != NONE {
+                    *largest = (index, line);
+                }
             }
             self.corners.push(corner);
         }

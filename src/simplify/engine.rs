@@ -266,14 +266,24 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
                 return;
             }
-            visit(Best { cost: self.evaluate(point, other).2, other });
+            visit(Best { cost: self.cost(point, other), other });
         };
         self.surface.for_neighbours(point, &mut look);
         self.partners.for_each(point, look);
     }
 
-    /// Who is merged into whom, where, and what it costs.
+    /// What a candidate costs.
     #[inline]
+    fn cost(&self, point: u32, other: u32) -> f32 {
+        if self.placement == Placement::Endpoint {
+            let cost = self.metric.cost_at_kept(&self.surface, Pair { lost: point, kept: other });
+            if cost > 0.0 { cost } else { 0.0 }
+        } else {
+            self.evaluate(point, other).2
+        }
+    }
+
+    /// Who is merged into whom, where, and what it costs.
     fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
         let pair = Pair { lost: point, kept: other };
         let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
@@ -490,7 +500,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     fn offer(&mut self, a: u32, b: u32) {
         let directions = if self.is_symmetric() { [(a.min(b), a.max(b)); 2] } else { [(a, b), (b, a)] };
         for (point, other) in directions.into_iter().take(if self.is_symmetric() { 1 } else { 2 }) {
-            let cost = self.evaluate(point, other).2;
+            let cost = self.cost(point, other);
             let best = &mut self.best[point as usize];
             if cost < best.cost || best.other == NONE {
                 *best = Best { cost, other };

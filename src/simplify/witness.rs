@@ -30,7 +30,6 @@ pub(super) struct Witnesses {
     /// Whether each point is a witness yet.
     merged: Vec<bool>,
     fan: Vec<Sectors>,
-    fan_len: usize,
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
@@ -42,29 +41,119 @@ pub(super) struct Witnesses {
 /// `(p . normal)^2 * inverse_area`.
 #[derive(Debug, Clone, Copy)]
 struct Sectors {
-    normal: [Vec4; 3],
-    side_a: [Vec4; 3],
-    side_b: [Vec4; 3],
-    side_ab: [Vec4; 3],
+    a: Lanes,
+    b: Lanes,
+    normal: Lanes,
+    side_a: Lanes,
+    side_b: Lanes,
+    side_ab: Lanes,
     reach: Vec4,
     inverse_area: Vec4,
-    a: [Vec3; 4],
-    b: [Vec3; 4],
     triangle: [u32; 4],
 }
 
-/// Lanes that no point lies over.
-const EMPTY: Sectors = Sectors {
-    normal: [Vec4::ZERO; 3],
-    side_a: [Vec4::ZERO; 3],
-    side_b: [Vec4::ZERO; 3],
-    side_ab: [Vec4::ZERO; 3],
-    reach: Vec4::NEG_ONE,
-    inverse_area: Vec4::ZERO,
-    a: [Vec3::ZERO; 4],
-    b: [Vec3::ZERO; 4],
-    triangle: [NONE; 4],
-};
+/// Four vectors, by coordinate.
+#[derive(Debug, Clone, Copy)]
+struct Lanes([Vec4; 3]);
+
+impl Lanes {
+    #[inline]
+    fn splat(v: Vec3) -> Self {
+        Self([Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)])
+    }
+
+    #[inline]
+    fn gather(mut of: impl FnMut(usize) -> Vec3) -> Self {
+        let [p, q, r, s] = [of(0), of(1), of(2), of(3)];
+        Self([
+            Vec4::new(p.x, q.x, r.x, s.x),
+            Vec4::new(p.y, q.y, r.y, s.y),
+            Vec4::new(p.z, q.z, r.z, s.z),
+        ])
+    }
+
+    #[inline]
+    fn dot(&self, o: &Self) -> Vec4 {
+        self.0[0] * o.0[0] + self.0[1] * o.0[1] + self.0[2] * o.0[2]
+    }
+
+    #[inline]
+    fn cross(&self, o: &Self) -> Self {
+        let ([x, y, z], [u, v, w]) = (self.0, o.0);
+        Self([y * w - z * v, z * u - x * w, x * v - y * u])
+    }
+
+    #[inline]
+    fn minus(&self, o: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] - o.0[i]))
+    }
+
+    /// Squared distances from a point to the segments that run from here along `along`.
+    #[inline]
+    fn distance_squared(&self, along: &Self, p: &Self) -> Vec4 {
+        let from = p.minus(self);
+        let length = along.dot(along).max(Vec4::splat(f32::MIN_POSITIVE));
+        let t = (from.dot(along) / length).clamp(Vec4::ZERO, Vec4::ONE);
+        let off = Self(std::array::from_fn(|i| from.0[i] - t * along.0[i]));
+        off.dot(&off)
+    }
+}
+
+impl Sectors {
+    /// Up to four facets.
+    #[inline]
+    fn new(facets: &[Facet]) -> Self {
+        // Lanes without a facet repeat the last one: no harm in finding it twice.
+        let facet = |i: usize| &facets[i.min(facets.len() - 1)];
+        let a = Lanes::gather(|i| facet(i).a);
+        let b = Lanes::gather(|i| facet(i).b);
+        let normal = Lanes::gather(|i| facet(i).after);
+        let side_ab = normal.cross(&b.minus(&a));
+        let area = normal.dot(&normal);
+        // Without an area there is no inside.
+        let has_area = area.cmpgt(Vec4::splat(f32::MIN_POSITIVE));
+        Self {
+            side_a: normal.cross(&a),
+            side_b: b.cross(&normal),
+            reach: Vec4::select(has_area, -a.dot(&side_ab), Vec4::NEG_ONE),
+            inverse_area: Vec4::ONE / area.max(Vec4::splat(f32::MIN_POSITIVE)),
+            side_ab,
+            a,
+            b,
+            normal,
+            triangle: std::array::from_fn(|i| facet(i).triangle),
+        }
+    }
+
+    /// Squared distances of a point to the triangles it lies over, infinite for the others.
+    #[inline]
+    fn heights(&self, p: &Lanes) -> Vec4 {
+        let between = p.dot(&self.side_a).min(p.dot(&self.side_b));
+        let inside = between.min(p.dot(&self.side_ab) + self.reach).cmpge(Vec4::ZERO);
+        let height = p.dot(&self.normal);
+        Vec4::select(inside, height * height * self.inverse_area, Vec4::INFINITY)
+    }
+
+    /// Squared distances of a point to the triangles' sides.
+    #[inline]
+    fn sides(&self, p: &Lanes) -> Vec4 {
+        let origin = Lanes([Vec4::ZERO; 3]);
+        let spokes = origin.distance_squared(&self.a, p).min(origin.distance_squared(&self.b, p));
+        spokes.min(self.a.distance_squared(&self.b.minus(&self.a), p))
+    }
+
+    /// The nearer of `best` and the least of `distances`.
+    #[inline]
+    fn least(&self, distances: Vec4, best: (f32, u32)) -> (f32, u32) {
+        let least = distances.min_element();
+        if least < best.0 {
+            let lane = distances.cmpeq(Vec4::splat(least)).bitmask().trailing_zeros();
+            (least, self.triangle[lane as usize & 3])
+        } else {
+            best
+        }
+    }
+}
 
 impl Witnesses {
     pub fn new(surface: &Surface) -> Self {
@@ -75,7 +164,6 @@ impl Witnesses {
             next: vec![NONE; points],
             merged: vec![false; points],
             fan: Vec::new(),
-            fan_len: 0,
             largest: 0.0,
             heads: Vec::new(),
         }
@@ -128,13 +216,11 @@ impl Witnesses {
     /// The new patch as sectors.
     fn spread(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) {
         self.fan.clear();
-        self.fan_len = 0;
-        patch.facets().iter().for_each(|facet| self.push(facet));
+        self.fan.extend(patch.facets().chunks(4).map(Sectors::new));
         if patch.facets().is_empty() {
             // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point.
-            for corner in surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost)) {
-                self.push(&Facet::around(surface, corner, x));
-            }
+            let around = surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost));
+            self.fan.extend(around.map(|corner| Sectors::new(&[Facet::around(surface, corner, x)])));
         }
     }
 
@@ -180,79 +266,23 @@ impl Witnesses {
         distance
     }
 
-    /// Adds a triangle to the new patch.
-    #[inline]
-    fn push(&mut self, facet: &Facet) {
-        let &Facet { triangle, a, b, after: normal, .. } = facet;
-        let lane = self.fan_len % 4;
-        if lane == 0 {
-            self.fan.push(EMPTY);
-        }
-        self.fan_len += 1;
-        let Some(sectors) = self.fan.last_mut() else { return };
-        let area = normal.length_squared();
-        sectors.a[lane] = a;
-        sectors.b[lane] = b;
-        sectors.triangle[lane] = triangle;
-        if area <= f32::MIN_POSITIVE {
-            return;
-        }
-        // Lengths do not matter for the sides' signs.
-        let (side_a, side_b, side_ab) = (normal.cross(a), b.cross(normal), normal.cross(b - a));
-        for i in 0..3 {
-            sectors.normal[i][lane] = normal[i];
-            sectors.side_a[i][lane] = side_a[i];
-            sectors.side_b[i][lane] = side_b[i];
-            sectors.side_ab[i][lane] = side_ab[i];
-        }
-        sectors.reach[lane] = -a.dot(side_ab);
-        sectors.inverse_area[lane] = 1.0 / area;
-    }
-
     /// Squared distance to a nearby triangle of the new patch, and which. The triangle that the point lies over is
     /// mostly the nearest; on a ridge the point may lie over no triangle but a distant one, and the sides are nearer.
     /// They are asked where it matters: where the distance would be the largest so far.
     #[inline]
-    fn nearest(&self, p: Vec3) -> (f32, u32) {
+    fn nearest(&self, point: Vec3) -> (f32, u32) {
+        let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
-        let p4 = [Vec4::splat(p.x), Vec4::splat(p.y), Vec4::splat(p.z)];
-        let dot = |v: &[Vec4; 3]| p4[0] * v[0] + p4[1] * v[1] + p4[2] * v[2];
         for sectors in &self.fan {
-            let between = dot(&sectors.side_a).min(dot(&sectors.side_b)).cmpge(Vec4::ZERO);
-            let inside = (dot(&sectors.side_ab) + sectors.reach).cmpge(Vec4::ZERO);
-            let height = dot(&sectors.normal);
-            let distance = height * height * sectors.inverse_area;
-            let distance = Vec4::select(between & inside, distance, Vec4::INFINITY);
-            let least = distance.min_element();
-            if least < best.0 {
-                let lane = distance.cmpeq(Vec4::splat(least)).bitmask().trailing_zeros();
-                best = (least, sectors.triangle[lane as usize & 3]);
-            }
+            best = sectors.least(sectors.heights(&p), best);
         }
-        if best.0 <= self.largest { best } else { self.nearest_with_sides(best, p) }
-    }
-
-    fn nearest_with_sides(&self, found: (f32, u32), p: Vec3) -> (f32, u32) {
-        let first = self.fan.first().map_or(NONE, |sectors| sectors.triangle[0]);
-        let mut best = if found.1 == NONE { (p.length_squared(), first) } else { found };
-        for i in 0..self.fan_len {
-            let (sectors, lane) = (&self.fan[i / 4], i % 4);
-            let (a, b) = (sectors.a[lane], sectors.b[lane]);
-            for (from, to) in [(Vec3::ZERO, a), (Vec3::ZERO, b), (a, b)] {
-                let distance = distance_squared_to_segment(p, from, to);
-                if distance < best.0 {
-                    best = (distance, sectors.triangle[lane]);
-                }
-            }
+        if best.0 <= self.largest {
+            return best;
         }
-        best
+        for sectors in &self.fan {
+            best = sectors.least(sectors.sides(&p), best);
+        }
+        // Where nothing is left but the merged point itself.
+        if best.1 == NONE { (point.length_squared(), NONE) } else { best }
     }
-}
-
-#[inline]
-fn distance_squared_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
-    let ab = b - a;
-    let length = ab.length_squared();
-    let t = if length > 0.0 { ((p - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance_squared(a + t * ab)
 }

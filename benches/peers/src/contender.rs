@@ -4,6 +4,7 @@ use std::error::Error;
 
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use multires::mesh::Mesh;
+use multires::simplify::Simplifier;
 
 /// A simplifier under measurement.
 pub(crate) struct Contender {
@@ -30,7 +31,8 @@ pub(crate) enum Output {
 }
 
 /// Every contender, in the order they run within a round.
-pub(crate) const CONTENDERS: &[Contender] = &[Contender { name: "meshopt", run: meshopt }];
+pub(crate) const CONTENDERS: &[Contender] =
+    &[Contender { name: "meshopt", run: meshopt }, Contender { name: "multires", run: multires_all }];
 
 /// Refuses names that no contender has.
 pub(crate) fn check_names(names: &[String]) -> Result<(), String> {
@@ -71,4 +73,11 @@ fn meshopt(mesh: &Mesh, triangles: usize) -> Outcome {
     let simple =
         meshopt::simplify(mesh.indices(), &vertices, triangles * 3, f32::MAX, SimplifyOptions::None, None);
     Ok(Output::Indices(simple))
+}
+
+/// The whole sequence down to the base mesh, quadrics and endpoint placement, and the level asked for taken from it.
+fn multires_all(mesh: &Mesh, triangles: usize) -> Outcome {
+    let sequence = Simplifier::new().run(mesh)?;
+    let (level, _) = sequence.triangles_at(mesh, sequence.steps_for_triangles(triangles));
+    Ok(Output::Indices(level.into_flattened()))
 }

@@ -49,7 +49,8 @@ pub(super) struct Node {
     pub mesh: Option<usize>,
     #[serde(default)]
     pub children: Vec<usize>,
-    pub matrix: Option<[f64; 16]>,
+    /// Apart, as most nodes have none.
+    pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
@@ -85,7 +86,7 @@ pub(super) struct Accessor {
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: String,
-    pub sparse: Option<Sparse>,
+    pub sparse: Option<Box<Sparse>>,
 }
 
 #[derive(Debug, Deserialize)]
