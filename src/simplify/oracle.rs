@@ -318,7 +318,11 @@ impl<'a> Neighbourhood<'a> {
 
     #[inline]
     fn contains(&self, other: u32) -> bool {
-        if self.listed { self.list.iter().fold(false, |any, &n| any | (n == other)) } else { self.search(other) }
+        if self.listed {
+            self.list.iter().fold(false, |any, &n| any | (n == other))
+        } else {
+            self.search(other)
+        }
     }
 
     #[cold]
@@ -424,7 +428,11 @@ impl Facet {
 
 /// Whether `check(triangle, before, after)` holds for every surviving triangle that the collapse changes.
 #[inline]
-fn for_changed(surface: &Surface, collapse: &Collapse, mut check: impl FnMut(u32, Facet, Facet) -> bool) -> bool {
+fn for_changed(
+    surface: &Surface,
+    collapse: &Collapse,
+    mut check: impl FnMut(u32, Facet, Facet) -> bool,
+) -> bool {
     let x = Vec3::from(collapse.position);
     let Pair { lost, kept } = collapse.pair;
     let mut around = |point: u32, other: u32| {
