@@ -358,9 +358,7 @@ impl<M> WithAttributes<M> {
             let head = &mut self.heads[wedge as usize];
             head.origin = origin;
             head.area += area;
-            for i in 0..6 {
-                head.a[i] += a[i];
-            }
+            head.a.iter_mut().zip(a).for_each(|(sum, term)| *sum += term);
         }
     }
 
@@ -388,9 +386,7 @@ impl<M> WithAttributes<M> {
         target.b += b;
         target.c += c.max(0.0);
         target.area += head.area;
-        for i in 0..6 {
-            target.a[i] += head.a[i];
-        }
+        target.a.iter_mut().zip(head.a).for_each(|(sum, term)| *sum += term);
     }
 }
 
