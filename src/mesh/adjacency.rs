@@ -1,5 +1,79 @@
 //! The corners around every point, in flat arrays.
+//!
+//! ```text
+//!     corner 3t + k      corner k of triangle t
+//!     start    0     2        5  6           corners of point p: corners[start[p]..start[p + 1]]
+//!     corners  0 7 | 1 3 8 | 2 | ...         ascending, so triangles come in order
+//! ```
+//!
+//! Built by counting, prefix sum and filling. Points are whatever the caller numbers: stored vertices, or the welded
+//! points of [`Topology`](super::Topology).
 
-/// The corners around every point.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Adjacency {}
+use super::MAX_ELEMENTS;
+
+/// The corners around every point. 4 bytes a point and 12 a triangle.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Adjacency {
+    /// Start of every point's corners; one more than points.
+    start: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl Adjacency {
+    /// The corners around each of `point_count` points, given the three points of every triangle. O(n).
+    ///
+    /// A triangle that names a point twice appears twice around it. A corner whose point is not below `point_count`
+    /// is left out, as is all beyond [`MAX_ELEMENTS`] triangles or points, which no [`Mesh`](super::Mesh) has.
+    pub fn new(corner_points: &[[u32; 3]], point_count: usize) -> Self {
+        let corner_points = &corner_points[..corner_points.len().min(MAX_ELEMENTS)];
+        let point_count = point_count.min(MAX_ELEMENTS);
+        let points = corner_points.as_flattened();
+
+        let mut start = vec![0_u32; point_count + 1];
+        for &point in points {
+            if let Some(count) = start[1..].get_mut(point as usize) {
+                *count += 1;
+            }
+        }
+        prefix_sum(&mut start);
+        let mut corners = vec![0; start[point_count] as usize];
+        let mut next = start.clone();
+        for (corner, &point) in points.iter().enumerate() {
+            if (point as usize) < point_count {
+                let slot = &mut next[point as usize];
+                corners[*slot as usize] = corner as u32;
+                *slot += 1;
+            }
+        }
+        Self { start, corners }
+    }
+
+    /// Number of points.
+    pub fn point_count(&self) -> usize {
+        self.start.len().saturating_sub(1)
+    }
+
+    /// The corners at a point, ascending: `3 * triangle + k`. Empty for a point that no triangle uses, or that does
+    /// not exist.
+    pub fn corners(&self, point: u32) -> &[u32] {
+        let point = point as usize;
+        match self.start.get(point..).and_then(|rest| rest.get(..2)) {
+            Some(ends) => &self.corners[ends[0] as usize..ends[1] as usize],
+            None => &[],
+        }
+    }
+
+    /// Number of corners at a point.
+    pub fn valence(&self, point: u32) -> usize {
+        self.corners(point).len()
+    }
+}
+
+/// Turns counts, stored one place late, into starts.
+pub(super) fn prefix_sum(start: &mut [u32]) {
+    let mut sum = 0;
+    for entry in start {
+        sum += *entry;
+        *entry = sum;
+    }
+}

@@ -6,17 +6,20 @@
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
 //! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
+//! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
-//! | `shapes.rs` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
+//! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
 mod adjacency;
 mod attribute;
+mod edges;
 mod report;
 pub mod shapes;
 mod topology;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
+pub use edges::Edges;
 pub use report::Report;
 pub use topology::Topology;
 

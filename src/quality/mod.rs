@@ -1,1 +1,52 @@
-//! Honest measurement.
+//! How good a mesh is, and what it looks like: distances between meshes, ray-cast pictures, volume and slivers.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
+//! | `samples.rs` | points spread evenly over a surface |
+//! | `distance.rs` | [`distance`]: Metro's two-sided distance between two meshes |
+//! | `volume.rs` | [`volume()`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `render.rs` | [`render`]: pictures without a graphics card |
+//! | `camera.rs` | [`Camera`]: where a picture is taken from |
+//! | `normals.rs` | normals to shade with |
+//! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
+//! | `palette.rs` | [`palette`]: colours for numbers and for materials |
+//! | `error.rs` | [`QualityError`] |
+//! | `hash.rs` | hashes that are the same on every machine |
+
+mod bvh;
+mod camera;
+mod distance;
+mod error;
+mod hash;
+mod normals;
+pub mod palette;
+mod picture;
+mod render;
+mod samples;
+mod volume;
+
+pub use camera::Camera;
+pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
+pub use error::QualityError;
+pub use picture::Picture;
+pub use render::{Colours, RenderOptions, Shading, render};
+pub use volume::{ShapeReport, area, volume};
+
+/// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.
+pub(crate) fn map_chunks<T: Send>(
+    count: usize,
+    size: usize,
+    work: impl Fn(std::ops::Range<usize>) -> T + Sync,
+) -> Vec<T> {
+    let chunk = |index: usize| work(index * size..((index + 1) * size).min(count));
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        (0..count.div_ceil(size)).into_par_iter().map(chunk).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        (0..count.div_ceil(size)).map(chunk).collect()
+    }
+}

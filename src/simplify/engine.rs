@@ -24,6 +24,7 @@ use super::metric::{Batch, ErrorMetric, Pair};
 use super::options::{Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
+use super::patch::Patch;
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
@@ -40,6 +41,15 @@ const PROGRESS_STEPS: usize = 4096;
 struct Best {
     cost: f32,
     other: u32,
+}
+
+/// A candidate that every oracle allows.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    pair: Pair,
+    x: Vec3,
+    /// Where `x` is in object units; `None` where the kept point stays where it is.
+    object: Option<[f32; 3]>,
 }
 
 const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
@@ -73,8 +83,8 @@ pub(super) struct Engine<'a, M> {
     /// Candidates refused because they would exceed the error asked for.
     too_far: u64,
     witnesses: Witnesses,
+    patch: Patch,
     dead: Vec<u32>,
-    changed: Vec<u32>,
     ring: Vec<u32>,
     options: Vec<Best>,
 }
@@ -109,8 +119,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             refusals: vec![0; oracles.len()],
             too_far: 0,
             witnesses: Witnesses::new(&surface),
+            patch: Patch::default(),
             dead: Vec::new(),
-            changed: Vec::new(),
             ring: Vec::new(),
             options: Vec::new(),
             surface,
@@ -256,14 +266,24 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
                 return;
             }
-            visit(Best { cost: self.evaluate(point, other).2, other });
+            visit(Best { cost: self.cost(point, other), other });
         };
         self.surface.for_neighbours(point, &mut look);
         self.partners.for_each(point, look);
     }
 
-    /// Who is merged into whom, where, and what it costs.
+    /// What a candidate costs.
     #[inline]
+    fn cost(&self, point: u32, other: u32) -> f32 {
+        if self.placement == Placement::Endpoint {
+            let cost = self.metric.cost_at_kept(&self.surface, Pair { lost: point, kept: other });
+            if cost > 0.0 { cost } else { 0.0 }
+        } else {
+            self.evaluate(point, other).2
+        }
+    }
+
+    /// Who is merged into whom, where, and what it costs.
     fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
         let pair = Pair { lost: point, kept: other };
         let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
@@ -347,7 +367,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     done = true;
                     break;
                 }
-            } else if self.is_legal(point, option.other).is_some() {
+            } else if self.legal(point, option.other).is_some() {
                 later = option;
                 break;
             }
@@ -364,30 +384,32 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         done
     }
 
-    /// The collapse of a candidate where every oracle allows it.
+    /// The pair and position of a candidate where every oracle allows it; its patch is then in `self.patch`.
     #[inline]
-    fn is_legal(&mut self, point: u32, other: u32) -> Option<Collapse> {
+    fn legal(&mut self, point: u32, other: u32) -> Option<Candidate> {
         let (pair, x, _) = self.evaluate(point, other);
-        let collapse = Collapse { pair, position: x.into() };
+        let (x, object) = self.snap(pair, x);
+        self.patch.gather(&self.surface, pair, x);
+        let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
             if !oracle.allows(&self.surface, &collapse) {
                 *count += 1;
                 return None;
             }
         }
-        Some(collapse)
+        Some(Candidate { pair, x, object })
     }
 
     fn attempt(&mut self, point: u32, other: u32) -> bool {
-        let Some(collapse) = self.is_legal(point, other) else { return false };
-        let Collapse { pair, position } = collapse;
-        let (x, object) = self.snap(pair, Vec3::from(position));
-        let bound = self.witnesses.measure(&self.surface, pair, x);
-        if self.surface.frame().object_length(bound) > self.limits.error {
-            self.too_far += 1;
-            return false;
+        let Some(candidate) = self.legal(point, other) else { return false };
+        if self.limits.error.is_finite() {
+            let error = self.witnesses.measure(&self.surface, &self.patch, candidate.pair, candidate.x);
+            if self.surface.frame().object_length(error) > self.limits.error {
+                self.too_far += 1;
+                return false;
+            }
         }
-        self.commit(pair, x, object, bound);
+        self.commit(candidate);
         true
     }
 
@@ -401,25 +423,25 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         (Vec3::from(self.surface.frame().inner(object)), Some(object))
     }
 
-    fn commit(&mut self, pair: Pair, x: Vec3, object: Option<[f32; 3]>, bound: f32) {
-        let moves = object.is_some();
-        let joins = self.surface.edge_kind_is_none(pair);
+    /// Does a collapse whose patch is in `self.patch`.
+    fn commit(&mut self, candidate: Candidate) {
+        let Candidate { pair, x, object } = candidate;
         let share = blend_weight(self.surface.at(pair.lost), self.surface.at(pair.kept), x);
         let mark = self.recorder.mark();
+        let error = self.witnesses.hand_over(&self.surface, &self.patch, pair, x);
         self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
         self.metric.substituting(&self.surface, self.recorder.last(x.into()));
         let shifts_features =
             self.surface.kind(pair.lost) & !self.surface.kind(pair.kept) & kind::FEATURE != 0;
-        self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead, &mut self.changed);
+        self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
         let recorder = &self.recorder;
         self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
-        if joins || shifts_features {
+        if shifts_features || self.patch.thirds().is_empty() {
             self.surface.reclassify_around(pair.kept);
         }
-        self.witnesses.commit(&self.surface, pair, &self.dead, &self.changed, moves);
-        self.error = self.error.max(bound);
-        let error = self.surface.frame().object_length(bound);
+        self.error = self.error.max(error);
+        let error = self.surface.frame().object_length(error);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
         self.state[pair.lost as usize] = state::GONE;
         self.queue.remove(pair.lost);
@@ -429,67 +451,59 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     /// Brings the candidates around a merged point up to date, or marks them stale.
     fn update_around(&mut self, pair: Pair) {
-        let kept = pair.kept;
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
-        self.surface.for_neighbours(kept, |n| ring.push(n));
+        self.surface.for_neighbours(pair.kept, |n| ring.push(n));
         if self.order == Order::Batched {
-            self.state[kept as usize] |= state::TOUCHED;
+            self.state[pair.kept as usize] |= state::TOUCHED;
             ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
         } else {
             let memoryless = self.metric.is_memoryless();
-            let symmetric = self.is_symmetric();
-            let mut own = NO_BEST;
             for &n in &ring {
-                // The pair seen from the ring.
-                if !symmetric || n < kept {
-                    let cost = self.evaluate(n, kept).2;
-                    let best = &mut self.best[n as usize];
-                    let gone = best.other == pair.lost || best.other == kept;
-                    if cost <= best.cost || best.other == NONE {
-                        *best = Best { cost, other: kept };
-                        self.queue.insert(n, cost);
-                        if gone {
-                            self.state[n as usize] |= state::STALE;
-                        }
-                    } else if gone {
-                        self.state[n as usize] |= state::STALE;
-                    }
-                } else if self.best[n as usize].other == pair.lost {
-                    self.state[n as usize] |= state::STALE;
-                }
-                // And from the merged point.
-                if !symmetric || kept < n {
-                    let cost = self.evaluate(kept, n).2;
-                    if cost < own.cost || cost == own.cost && n < own.other {
-                        own = Best { cost, other: n };
-                    }
-                }
-                if memoryless {
+                let other = self.best[n as usize].other;
+                if memoryless || other == pair.lost || other == pair.kept {
                     self.state[n as usize] |= state::STALE;
                 }
                 if self.state[n as usize] & state::ASLEEP != 0 {
                     self.state[n as usize] = self.state[n as usize] & !state::ASLEEP | state::STALE;
-                    self.queue.insert(n, self.best[n as usize].cost.min(f32::MAX));
+                    self.queue.insert(n, 0.0);
                 }
             }
-            self.partners.for_each(kept, |n| {
-                if !symmetric || kept < n {
-                    let cost = self.evaluate(kept, n).2;
-                    if cost < own.cost {
-                        own = Best { cost, other: n };
-                    }
-                }
-            });
-            self.best[kept as usize] = own;
-            self.state[kept as usize] &= !(state::STALE | state::ASLEEP);
-            if own.other == NONE {
-                self.queue.remove(kept);
+            self.state[pair.kept as usize] &= !state::ASLEEP;
+            self.state[pair.kept as usize] |= state::STALE;
+            if memoryless {
+                self.best[pair.kept as usize].cost = f32::INFINITY;
+                ring.iter().for_each(|&n| self.offer(pair.kept, n));
             } else {
-                self.queue.insert(kept, own.cost);
+                // Costs of pairs that were there before only grew; those with new neighbours are new.
+                ring.clear();
+                let thirds = self.patch.thirds();
+                let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
+                ring.extend(others.filter(|n| !thirds.contains(n)));
+                ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            }
+            ring.clear();
+            self.partners.for_each(pair.kept, |n| ring.push(n));
+            ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            if self.best[pair.kept as usize].other != NONE {
+                self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
             }
         }
         self.ring = ring;
+    }
+
+    /// Looks at a pair in both directions and moves either point up where this is its cheapest.
+    #[inline]
+    fn offer(&mut self, a: u32, b: u32) {
+        let directions = if self.is_symmetric() { [(a.min(b), a.max(b)); 2] } else { [(a, b), (b, a)] };
+        for (point, other) in directions.into_iter().take(if self.is_symmetric() { 1 } else { 2 }) {
+            let cost = self.cost(point, other);
+            let best = &mut self.best[point as usize];
+            if cost < best.cost || best.other == NONE {
+                *best = Best { cost, other };
+                self.queue.insert(point, cost);
+            }
+        }
     }
 
     fn finish(self, stop: StopReason) -> CollapseSequence {

@@ -1,15 +1,32 @@
-//! How detail is taken away.
+//! How detail is taken away: from a mesh to the sequence of every collapse.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
+//! | `engine.rs` | the driver; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `patch.rs`: what one collapse would change |
+//! | `oracle.rs` | [`Oracle`]: which collapses are legal |
+//! | `metric/` | [`ErrorMetric`]: what one costs |
+//! | `placement.rs` | [`Placement`]: where the merged vertex goes |
+//! | `witness.rs` | how far the input lies from the level |
+//! | `recorder.rs` | writes the sequence; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `sequence_build.rs` | sequences from a simplifier of your own |
+//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
 
 mod engine;
+pub(crate) mod lineage;
 pub mod metric;
 mod options;
 pub mod oracle;
 mod pairs;
+mod patch;
 mod placement;
+mod progressive;
 mod queue;
 mod recorder;
 mod report;
 mod sequence;
+mod sequence_build;
 mod simplifier;
 mod surface;
 mod witness;
@@ -17,8 +34,11 @@ mod witness;
 pub use metric::{Batch, ErrorMetric, Pair};
 pub use options::{OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
+pub use patch::{Facet, Patch};
 pub use placement::Placement;
+pub use progressive::{ProgressiveMesh, VertexSplit};
 pub use report::{Refusal, SimplifyReport, StopReason};
 pub use sequence::{CollapseSequence, NewVertex, Origin};
+pub use sequence_build::SequenceError;
 pub use simplifier::Simplifier;
 pub use surface::{Corner, Frame, Surface};

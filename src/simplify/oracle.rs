@@ -3,31 +3,27 @@
 //! Whatever the rules let through, the result stays a valid mesh (it is an image of the input's triangles). The rules
 //! decide whether it is a *good* one: same topology, no flipped triangles, seams and borders in place.
 
-use glam::Vec3;
-
 use crate::mesh::NONE;
 
 use super::metric::Pair;
+use super::patch::Patch;
 use super::surface::{Surface, kind};
 
 /// A collapse that an oracle is asked about.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Collapse {
+#[derive(Debug, Clone, Copy)]
+pub struct Collapse<'a> {
     /// Who is merged into whom.
     pub pair: Pair,
     /// Where the merged point would lie, inner frame.
     pub position: [f32; 3],
+    /// The triangles that would change, before and after.
+    pub patch: &'a Patch,
 }
 
-impl Collapse {
+impl Collapse<'_> {
     /// Whether the kept point stays where it is.
     pub fn keeps_position(&self, surface: &Surface) -> bool {
         surface.position(self.pair.kept) == self.position
-    }
-
-    /// The same collapse seen from the kept point.
-    fn reversed(&self) -> Self {
-        Self { pair: Pair { lost: self.pair.kept, kept: self.pair.lost }, position: self.position }
     }
 }
 
@@ -161,7 +157,9 @@ fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) 
     };
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
     either & bit == 0
-        || (slides(collapse.pair) && (collapse.keeps_position(surface) || slides(collapse.reversed().pair)))
+        || (slides(collapse.pair)
+            && (collapse.keeps_position(surface)
+                || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost })))
 }
 
 /// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
@@ -242,34 +240,21 @@ impl Oracle for LinkCondition {
 
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
         let Pair { lost, kept } = collapse.pair;
-        // The third corners of the edge's triangles; each must be a different point.
-        let mut thirds = [0u32; 8];
-        let mut count = 0;
-        for corner in surface.star(lost) {
-            let [a, b] = corner.others;
-            let third = if a == kept {
-                b
-            } else if b == kept {
-                a
-            } else {
-                continue;
-            };
-            if count == thirds.len() || thirds[..count].contains(&third) {
-                return false;
-            }
-            thirds[count] = third;
-            count += 1;
+        let thirds = collapse.patch.thirds();
+        // Each triangle on the edge must have a third corner of its own.
+        let distinct = match thirds {
+            [] | [_] => true,
+            [a, b] => a != b,
+            _ => thirds.iter().enumerate().all(|(i, third)| !thirds[..i].contains(third)),
+        };
+        if !distinct || thirds.len() > 1 && surface.is_border(lost) && surface.is_border(kept) {
+            // The second: two borders would meet in a point.
+            return false;
         }
-        let thirds = &thirds[..count];
-        let is_near = Neighbourhood::new(surface, kept);
-        let mut survives = false;
-        for corner in surface.star(lost) {
-            let [a, b] = corner.others;
-            if a == kept || b == kept {
-                continue;
-            }
-            survives = true;
-            let (near_a, near_b) = (is_near.contains(a), is_near.contains(b));
+        let near = Neighbourhood::new(surface, kept);
+        for facet in collapse.patch.facets_of_lost() {
+            let [a, b] = facet.others;
+            let (near_a, near_b) = (near.contains(a), near.contains(b));
             if near_a && !thirds.contains(&a) || near_b && !thirds.contains(&b) {
                 return false;
             }
@@ -278,12 +263,9 @@ impl Oracle for LinkCondition {
                 return false;
             }
         }
-        if count != 1 && count != 0 && surface.is_border(lost) && surface.is_border(kept) {
-            // Two borders would meet in a point.
-            return false;
-        }
         // Where nothing of the star survives, every edge left behind must hang on another triangle.
-        survives || thirds.iter().all(|&third| edge_count(surface, kept, third) > 1)
+        !collapse.patch.facets_of_lost().is_empty()
+            || thirds.iter().all(|&third| edge_count(surface, kept, third) > 1)
     }
 }
 
@@ -362,12 +344,13 @@ impl Oracle for NormalFlip {
         "normal flip"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
-        for_changed(surface, collapse, |_, old, new| {
-            let (n0, n1) = (old.cross(), new.cross());
-            let (dot, lengths) = (n0.dot(n1), n0.length_squared() * n1.length_squared());
-            // dot > cos * |n0| |n1|, squared with its sign. A triangle without area has no side to flip to.
-            dot * dot.abs() > self.cos * self.cos.abs() * lengths || n0.length_squared() <= f32::MIN_POSITIVE
+    fn allows(&self, _: &Surface, collapse: &Collapse) -> bool {
+        let cos_squared = self.cos * self.cos.abs();
+        collapse.patch.facets().iter().all(|facet| {
+            let (before, after) = (facet.before.length_squared(), facet.after.length_squared());
+            let dot = facet.before.dot(facet.after);
+            // dot > cos * |before| |after|, squared with its sign. A triangle without area has no side to flip to.
+            dot * dot.abs() > cos_squared * before * after || before <= f32::MIN_POSITIVE
         })
     }
 }
@@ -400,51 +383,10 @@ impl Oracle for TriangleQuality {
         "triangle quality"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
-        for_changed(surface, collapse, |_, old, new| {
-            let quality = new.quality();
-            quality >= self.least || quality >= old.quality() && quality > 1e-4
+    fn allows(&self, _: &Surface, collapse: &Collapse) -> bool {
+        collapse.patch.facets().iter().all(|facet| {
+            let quality = facet.quality_after();
+            quality >= self.least || quality >= facet.quality_before() && quality > 1e-4
         })
     }
-}
-
-/// Three corners, as an oracle sees them before or after a collapse.
-#[derive(Debug, Clone, Copy)]
-struct Facet([Vec3; 3]);
-
-impl Facet {
-    #[inline]
-    fn cross(&self) -> Vec3 {
-        (self.0[1] - self.0[0]).cross(self.0[2] - self.0[0])
-    }
-
-    #[inline]
-    fn quality(&self) -> f32 {
-        let [a, b, c] = self.0;
-        let sides = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
-        if sides > 0.0 { 2.0 * 3f32.sqrt() * self.cross().length() / sides } else { 0.0 }
-    }
-}
-
-/// Whether `check(triangle, before, after)` holds for every surviving triangle that the collapse changes.
-#[inline]
-fn for_changed(
-    surface: &Surface,
-    collapse: &Collapse,
-    mut check: impl FnMut(u32, Facet, Facet) -> bool,
-) -> bool {
-    let x = Vec3::from(collapse.position);
-    let Pair { lost, kept } = collapse.pair;
-    let mut around = |point: u32, other: u32| {
-        let p = surface.at(point);
-        surface.star(point).all(|corner| {
-            let [a, b] = corner.others;
-            if a == other || b == other {
-                return true;
-            }
-            let (a, b) = (surface.at(a), surface.at(b));
-            check(corner.triangle, Facet([p, a, b]), Facet([x, a, b]))
-        })
-    };
-    around(lost, kept) && (collapse.keeps_position(surface) || around(kept, lost))
 }

@@ -322,11 +322,6 @@ impl Surface {
         }
     }
 
-    /// Whether no edge joins the two points of a pair.
-    pub(crate) fn edge_kind_is_none(&self, pair: super::metric::Pair) -> bool {
-        !self.star(pair.lost).any(|corner| corner.others.contains(&pair.kept))
-    }
-
     /// The vertices of `corner`'s point and of its other number `side`.
     #[inline]
     fn edge_vertices(&self, corner: Corner, side: usize) -> [u32; 2] {
@@ -337,18 +332,10 @@ impl Surface {
         [vertices[corner.slot as usize], vertices[(corner.slot as usize + 1 + side) % 3]]
     }
 
-    /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish,
-    /// `changed` the surviving ones that had `lost` as a corner. O(valence).
-    pub(crate) fn collapse(
-        &mut self,
-        lost: u32,
-        kept: u32,
-        position: Vec3,
-        dead: &mut Vec<u32>,
-        changed: &mut Vec<u32>,
-    ) {
+    /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish.
+    /// O(valence).
+    pub(crate) fn collapse(&mut self, lost: u32, kept: u32, position: Vec3, dead: &mut Vec<u32>) {
         dead.clear();
-        changed.clear();
         let mut moved = std::mem::take(&mut self.scratch.moved);
         moved.clear();
         for &entry in self.stars.of(lost) {
@@ -358,7 +345,6 @@ impl Surface {
                 dead.push(corner.triangle);
             } else {
                 moved.push(entry);
-                changed.push(corner.triangle);
             }
         }
         for &triangle in dead.iter() {

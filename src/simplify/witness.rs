@@ -17,6 +17,7 @@ use glam::{Vec3, Vec4};
 use crate::mesh::NONE;
 
 use super::metric::Pair;
+use super::patch::{Facet, Patch};
 use super::surface::Surface;
 
 /// Which triangle each merged point lies over.
@@ -29,12 +30,9 @@ pub(super) struct Witnesses {
     /// Whether each point is a witness yet.
     merged: Vec<bool>,
     fan: Vec<Sectors>,
-    fan_len: usize,
-    /// The largest squared distance of what was committed, and of what was measured last.
+    /// The largest squared distance so far.
     largest: f32,
-    measured: f32,
-    /// Where the witnesses of the patch measured last would go: witness and triangle.
-    moves: Vec<[u32; 2]>,
+    heads: Vec<u32>,
 }
 
 /// Four triangles of the new patch side by side, relative to the merged point's position (their first corner). A
@@ -43,29 +41,115 @@ pub(super) struct Witnesses {
 /// `(p . normal)^2 * inverse_area`.
 #[derive(Debug, Clone, Copy)]
 struct Sectors {
-    normal: [Vec4; 3],
-    side_a: [Vec4; 3],
-    side_b: [Vec4; 3],
-    side_ab: [Vec4; 3],
+    a: Lanes,
+    b: Lanes,
+    normal: Lanes,
+    side_a: Lanes,
+    side_b: Lanes,
+    side_ab: Lanes,
     reach: Vec4,
     inverse_area: Vec4,
-    a: [Vec3; 4],
-    b: [Vec3; 4],
     triangle: [u32; 4],
 }
 
-/// Lanes that no point lies over.
-const EMPTY: Sectors = Sectors {
-    normal: [Vec4::ZERO; 3],
-    side_a: [Vec4::ZERO; 3],
-    side_b: [Vec4::ZERO; 3],
-    side_ab: [Vec4::ZERO; 3],
-    reach: Vec4::NEG_ONE,
-    inverse_area: Vec4::ZERO,
-    a: [Vec3::ZERO; 4],
-    b: [Vec3::ZERO; 4],
-    triangle: [NONE; 4],
-};
+/// Four vectors, by coordinate.
+#[derive(Debug, Clone, Copy)]
+struct Lanes([Vec4; 3]);
+
+impl Lanes {
+    #[inline]
+    fn splat(v: Vec3) -> Self {
+        Self([Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)])
+    }
+
+    #[inline]
+    fn gather(mut of: impl FnMut(usize) -> Vec3) -> Self {
+        let [p, q, r, s] = [of(0), of(1), of(2), of(3)];
+        Self([Vec4::new(p.x, q.x, r.x, s.x), Vec4::new(p.y, q.y, r.y, s.y), Vec4::new(p.z, q.z, r.z, s.z)])
+    }
+
+    #[inline]
+    fn dot(&self, o: &Self) -> Vec4 {
+        self.0[0] * o.0[0] + self.0[1] * o.0[1] + self.0[2] * o.0[2]
+    }
+
+    #[inline]
+    fn cross(&self, o: &Self) -> Self {
+        let ([x, y, z], [u, v, w]) = (self.0, o.0);
+        Self([y * w - z * v, z * u - x * w, x * v - y * u])
+    }
+
+    #[inline]
+    fn minus(&self, o: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] - o.0[i]))
+    }
+
+    /// Squared distances from a point to the segments that run from here along `along`.
+    #[inline]
+    fn distance_squared(&self, along: &Self, p: &Self) -> Vec4 {
+        let from = p.minus(self);
+        let length = along.dot(along).max(Vec4::splat(f32::MIN_POSITIVE));
+        let t = (from.dot(along) / length).clamp(Vec4::ZERO, Vec4::ONE);
+        let off = Self(std::array::from_fn(|i| from.0[i] - t * along.0[i]));
+        off.dot(&off)
+    }
+}
+
+impl Sectors {
+    /// Up to four facets.
+    #[inline]
+    fn new(facets: &[Facet]) -> Self {
+        // Lanes without a facet repeat the last one: no harm in finding it twice.
+        let facet = |i: usize| &facets[i.min(facets.len() - 1)];
+        let a = Lanes::gather(|i| facet(i).a);
+        let b = Lanes::gather(|i| facet(i).b);
+        let normal = Lanes::gather(|i| facet(i).after);
+        let side_ab = normal.cross(&b.minus(&a));
+        let area = normal.dot(&normal);
+        // Without an area there is no inside.
+        let has_area = area.cmpgt(Vec4::splat(f32::MIN_POSITIVE));
+        Self {
+            side_a: normal.cross(&a),
+            side_b: b.cross(&normal),
+            reach: Vec4::select(has_area, -a.dot(&side_ab), Vec4::NEG_ONE),
+            inverse_area: Vec4::ONE / area.max(Vec4::splat(f32::MIN_POSITIVE)),
+            side_ab,
+            a,
+            b,
+            normal,
+            triangle: std::array::from_fn(|i| facet(i).triangle),
+        }
+    }
+
+    /// Squared distances of a point to the triangles it lies over, infinite for the others.
+    #[inline]
+    fn heights(&self, p: &Lanes) -> Vec4 {
+        let between = p.dot(&self.side_a).min(p.dot(&self.side_b));
+        let inside = between.min(p.dot(&self.side_ab) + self.reach).cmpge(Vec4::ZERO);
+        let height = p.dot(&self.normal);
+        Vec4::select(inside, height * height * self.inverse_area, Vec4::INFINITY)
+    }
+
+    /// Squared distances of a point to the triangles' sides.
+    #[inline]
+    fn sides(&self, p: &Lanes) -> Vec4 {
+        let origin = Lanes([Vec4::ZERO; 3]);
+        let spokes = origin.distance_squared(&self.a, p).min(origin.distance_squared(&self.b, p));
+        spokes.min(self.a.distance_squared(&self.b.minus(&self.a), p))
+    }
+
+    /// The nearer of `best` and the least of `distances`.
+    #[inline]
+    fn least(&self, distances: Vec4, best: (f32, u32)) -> (f32, u32) {
+        let least = distances.min_element();
+        if least < best.0 {
+            let lane = distances.cmpeq(Vec4::splat(least)).bitmask().trailing_zeros();
+            (least, self.triangle[lane as usize & 3])
+        } else {
+            best
+        }
+    }
+}
 
 impl Witnesses {
     pub fn new(surface: &Surface) -> Self {
@@ -76,166 +160,125 @@ impl Witnesses {
             next: vec![NONE; points],
             merged: vec![false; points],
             fan: Vec::new(),
-            fan_len: 0,
             largest: 0.0,
-            measured: 0.0,
-            moves: Vec::new(),
+            heads: Vec::new(),
         }
     }
 
     /// The largest distance of a witness of the patch from the patch that merging `pair` at `x` would make, inner
-    /// units. [`commit`](Self::commit) then hands them over.
-    pub fn measure(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
-        let Pair { lost, kept } = pair;
-        let moves = surface.at(kept) != x;
-        self.fan.clear();
-        self.fan_len = 0;
-        self.moves.clear();
-        for corner in surface.star(lost) {
-            let [a, b] = corner.others;
-            if a != kept && b != kept {
-                self.push(corner.triangle, surface.at(a) - x, surface.at(b) - x);
-            }
-        }
-        if moves || self.fan.is_empty() {
-            for corner in surface.star(kept) {
-                let [a, b] = corner.others;
-                if a != lost && b != lost {
-                    self.push(corner.triangle, surface.at(a) - x, surface.at(b) - x);
-                }
-            }
-        }
+    /// units.
+    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+        self.spread(surface, patch, pair, x);
         let mut worst: f32 = 0.0;
-        for corner in surface.star(lost) {
-            worst = worst.max(self.hand_over(self.head[corner.triangle as usize], x));
-        }
-        worst = worst.max(self.hand_over_new(lost, x));
-        if moves {
-            for corner in surface.star(kept).filter(|corner| !corner.others.contains(&lost)) {
-                worst = worst.max(self.hand_over(self.head[corner.triangle as usize], x));
+        self.for_heads(surface, pair, x, |witnesses, mut at| {
+            while at != NONE {
+                worst = worst.max(witnesses.nearest(witnesses.positions[at as usize] - x).0);
+                at = witnesses.next[at as usize];
             }
-            worst = worst.max(self.hand_over_new(kept, x));
+        });
+        for point in self.newcomers(surface, pair, x) {
+            worst = worst.max(self.nearest(self.positions[point as usize] - x).0);
         }
-        self.measured = worst;
         worst.sqrt()
     }
 
-    fn hand_over_new(&mut self, point: u32, x: Vec3) -> f32 {
-        if self.merged[point as usize] {
-            return 0.0;
-        }
-        let (distance, triangle) = self.nearest(self.positions[point as usize] - x);
-        self.moves.push([point, triangle]);
-        distance
-    }
-
-    /// Finds a place for every witness of a chain; the largest squared distance.
-    fn hand_over(&mut self, head: u32, x: Vec3) -> f32 {
+    /// Hands every witness of the patch to the triangle of the new patch that it lies over, just before the collapse
+    /// is done; the largest distance, inner units.
+    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+        self.spread(surface, patch, pair, x);
+        // The chains are cut off first: what is handed over goes onto triangles of the same patch.
+        let mut heads = std::mem::take(&mut self.heads);
+        heads.clear();
+        self.for_heads(surface, pair, x, |_, head| heads.push(head));
+        self.clear_heads(surface, pair, x);
         let mut worst: f32 = 0.0;
-        let mut witness = head;
-        while witness != NONE {
-            let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
-            self.moves.push([witness, triangle]);
-            worst = worst.max(distance);
-            witness = self.next[witness as usize];
+        for &head in &heads {
+            let mut at = head;
+            while at != NONE {
+                let next = self.next[at as usize];
+                worst = worst.max(self.place(at, x));
+                at = next;
+            }
         }
-        worst
+        self.heads = heads;
+        for point in self.newcomers(surface, pair, x) {
+            self.merged[point as usize] = true;
+            worst = worst.max(self.place(point, x));
+        }
+        self.largest = self.largest.max(worst);
+        worst.sqrt()
     }
 
-    /// Adds a triangle to the new patch.
+    /// The new patch as sectors.
+    fn spread(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) {
+        self.fan.clear();
+        self.fan.extend(patch.facets().chunks(4).map(Sectors::new));
+        if patch.facets().is_empty() {
+            // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point.
+            let around = surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost));
+            self.fan.extend(around.map(|corner| Sectors::new(&[Facet::around(surface, corner, x)])));
+        }
+    }
+
+    /// Calls `visit` with the first witness of every triangle of the patch.
     #[inline]
-    fn push(&mut self, triangle: u32, a: Vec3, b: Vec3) {
-        let lane = self.fan_len % 4;
-        if lane == 0 {
-            self.fan.push(EMPTY);
+    fn for_heads(&self, surface: &Surface, pair: Pair, x: Vec3, mut visit: impl FnMut(&Self, u32)) {
+        for corner in surface.star(pair.lost) {
+            visit(self, self.head[corner.triangle as usize]);
         }
-        self.fan_len += 1;
-        let Some(sectors) = self.fan.last_mut() else { return };
-        let normal = a.cross(b);
-        let area = normal.length_squared();
-        sectors.a[lane] = a;
-        sectors.b[lane] = b;
-        sectors.triangle[lane] = triangle;
-        if area <= f32::MIN_POSITIVE {
-            return;
+        if surface.at(pair.kept) != x {
+            for corner in surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost)) {
+                visit(self, self.head[corner.triangle as usize]);
+            }
         }
-        // Lengths do not matter for the sides' signs.
-        let (side_a, side_b, side_ab) = (normal.cross(a), b.cross(normal), normal.cross(b - a));
-        for i in 0..3 {
-            sectors.normal[i][lane] = normal[i];
-            sectors.side_a[i][lane] = side_a[i];
-            sectors.side_b[i][lane] = side_b[i];
-            sectors.side_ab[i][lane] = side_ab[i];
+    }
+
+    fn clear_heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+        for corner in surface.star(pair.lost) {
+            self.head[corner.triangle as usize] = NONE;
         }
-        sectors.reach[lane] = -a.dot(side_ab);
-        sectors.inverse_area[lane] = 1.0 / area;
+        if surface.at(pair.kept) != x {
+            for corner in surface.star(pair.kept) {
+                self.head[corner.triangle as usize] = NONE;
+            }
+        }
+    }
+
+    /// The merged points that are not witnesses yet.
+    fn newcomers(&self, surface: &Surface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
+        let is_new = |point: u32| (!self.merged[point as usize]).then_some(point);
+        let kept = if surface.at(pair.kept) == x { None } else { is_new(pair.kept) };
+        is_new(pair.lost).into_iter().chain(kept)
+    }
+
+    /// Puts a witness on the triangle it lies over; its squared distance.
+    #[inline]
+    fn place(&mut self, witness: u32, x: Vec3) -> f32 {
+        let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
+        if triangle != NONE {
+            self.next[witness as usize] = self.head[triangle as usize];
+            self.head[triangle as usize] = witness;
+        }
+        distance
     }
 
     /// Squared distance to a nearby triangle of the new patch, and which. The triangle that the point lies over is
     /// mostly the nearest; on a ridge the point may lie over no triangle but a distant one, and the sides are nearer.
     /// They are asked where it matters: where the distance would be the largest so far.
     #[inline]
-    fn nearest(&self, p: Vec3) -> (f32, u32) {
+    fn nearest(&self, point: Vec3) -> (f32, u32) {
+        let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
-        let p4 = [Vec4::splat(p.x), Vec4::splat(p.y), Vec4::splat(p.z)];
-        let dot = |v: &[Vec4; 3]| p4[0] * v[0] + p4[1] * v[1] + p4[2] * v[2];
         for sectors in &self.fan {
-            let between = dot(&sectors.side_a).min(dot(&sectors.side_b)).cmpge(Vec4::ZERO);
-            let inside = (dot(&sectors.side_ab) + sectors.reach).cmpge(Vec4::ZERO);
-            let height = dot(&sectors.normal);
-            let distance = height * height * sectors.inverse_area;
-            let distance = Vec4::select(between & inside, distance, Vec4::INFINITY);
-            let least = distance.min_element();
-            if least < best.0 {
-                let lane = distance.cmpeq(Vec4::splat(least)).bitmask().trailing_zeros();
-                best = (least, sectors.triangle[lane as usize & 3]);
-            }
+            best = sectors.least(sectors.heights(&p), best);
         }
-        if best.0 <= self.largest { best } else { self.nearest_with_sides(best, p) }
+        if best.0 <= self.largest {
+            return best;
+        }
+        for sectors in &self.fan {
+            best = sectors.least(sectors.sides(&p), best);
+        }
+        // Where nothing is left but the merged point itself.
+        if best.1 == NONE { (point.length_squared(), NONE) } else { best }
     }
-
-    fn nearest_with_sides(&self, found: (f32, u32), p: Vec3) -> (f32, u32) {
-        let first = self.fan.first().map_or(NONE, |sectors| sectors.triangle[0]);
-        let mut best = if found.1 == NONE { (p.length_squared(), first) } else { found };
-        for i in 0..self.fan_len {
-            let (sectors, lane) = (&self.fan[i / 4], i % 4);
-            let (a, b) = (sectors.a[lane], sectors.b[lane]);
-            for (from, to) in [(Vec3::ZERO, a), (Vec3::ZERO, b), (a, b)] {
-                let distance = distance_squared_to_segment(p, from, to);
-                if distance < best.0 {
-                    best = (distance, sectors.triangle[lane]);
-                }
-            }
-        }
-        best
-    }
-
-    /// Does what the last [`measure`](Self::measure) found: call after the surface changed.
-    pub fn commit(&mut self, surface: &Surface, pair: Pair, dead: &[u32], changed: &[u32], moves: bool) {
-        for &t in dead.iter().chain(changed) {
-            self.head[t as usize] = NONE;
-        }
-        if moves {
-            for corner in surface.star(pair.kept) {
-                self.head[corner.triangle as usize] = NONE;
-            }
-            self.merged[pair.kept as usize] = true;
-        }
-        self.merged[pair.lost as usize] = true;
-        self.largest = self.largest.max(self.measured);
-        for &[witness, triangle] in &self.moves {
-            if triangle != NONE {
-                self.next[witness as usize] = self.head[triangle as usize];
-                self.head[triangle as usize] = witness;
-            }
-        }
-    }
-}
-
-#[inline]
-fn distance_squared_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
-    let ab = b - a;
-    let length = ab.length_squared();
-    let t = if length > 0.0 { ((p - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance_squared(a + t * ab)
 }

@@ -1,3 +1,136 @@
-//! Peers measured beside multires.
+//! Measures simplifiers beside each other, on the same meshes, in the same run.
+//!
+//! ```text
+//! multires-peers simplify MODEL... [--generated] [--grid N] [--percent 50,25,10,5,2,1]
+//!                         [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]
+//! ```
+//!
+//! | file | idea |
+//! |---|---|
+//! | `main.rs` | the arguments |
+//! | `contender.rs` | who takes part: **add a simplifier here** |
+//! | `simplify.rs` | interleaved runs, medians, table and JSON |
+//! | `clock.rs` | CPU time of this thread and of the process |
+//! | `input.rs` | meshes from files and from formulas, welded |
+//!
+//! Exit status: 0, 1 for bad input, 2 for wrong usage.
 
-fn main() {}
+mod clock;
+mod contender;
+mod input;
+mod simplify;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const USAGE: &str =
+    "usage: multires-peers simplify MODEL... [--generated] [--grid N] [--percent 50,25,10,5,2,1]
+                               [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]";
+
+/// What to measure, and how often.
+struct Options {
+    models: Vec<PathBuf>,
+    generated: bool,
+    grid: u32,
+    percents: Vec<f64>,
+    runs: usize,
+    warmups: usize,
+    only: Vec<String>,
+    out: Option<PathBuf>,
+    json: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            models: Vec::new(),
+            generated: false,
+            grid: 1024,
+            percents: vec![50.0, 25.0, 10.0, 5.0, 2.0, 1.0],
+            runs: 7,
+            warmups: 2,
+            only: Vec::new(),
+            out: None,
+            json: false,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let options = match arguments.next().as_deref() {
+        Some("simplify") => parse(arguments),
+        Some("--help" | "-h") => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        Some(other) => Err(format!("there is no command {other:?}")),
+        None => Err("a command is needed".to_owned()),
+    };
+    let options = match options {
+        Ok(options) => options,
+        Err(reason) => {
+            eprintln!("multires-peers: {reason}\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("multires-peers: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn Error>> {
+    let mut inputs = Vec::new();
+    for path in &options.models {
+        inputs.push(input::read(path).map_err(|e| format!("{}: {e}", path.display()))?);
+    }
+    if options.generated {
+        inputs.extend(input::generated(options.grid)?);
+    }
+    simplify::run(&inputs, options)
+}
+
+fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String> {
+    let mut options = Options::default();
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--generated" => options.generated = true,
+            "--grid" => options.grid = number(&argument, &value()?, 1..=4096)?,
+            "--runs" => options.runs = number(&argument, &value()?, 1..=1_000_000)?,
+            "--warmups" => options.warmups = number(&argument, &value()?, 0..=1_000_000)?,
+            "--percent" => {
+                options.percents = value()?
+                    .split(',')
+                    .map(|p| number(&argument, p, 0.0..=100.0))
+                    .collect::<Result<_, _>>()?;
+            }
+            "--only" => options.only.push(value()?),
+            "--out" => options.out = Some(value()?.into()),
+            "--json" => options.json = true,
+            unknown if unknown.starts_with('-') => return Err(format!("there is no option {unknown}")),
+            model => options.models.push(model.into()),
+        }
+    }
+    if options.models.is_empty() && !options.generated {
+        return Err("name at least one model, or --generated".to_owned());
+    }
+    contender::check_names(&options.only)?;
+    Ok(options)
+}
+
+fn number<T: std::str::FromStr + PartialOrd + std::fmt::Display>(
+    option: &str,
+    text: &str,
+    range: std::ops::RangeInclusive<T>,
+) -> Result<T, String> {
+    let value: Option<T> = text.parse().ok();
+    value.filter(|v| range.contains(v)).ok_or_else(|| {
+        format!("{option} takes numbers from {} to {}, not {text:?}", range.start(), range.end())
+    })
+}

@@ -99,10 +99,10 @@ impl ErrorMetric for Quadric {
         lost + kept
     }
 
+    /// What the collapse adds: the kept point does not move, so its own sum stays as it is.
     #[inline]
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
-        let step = surface.at(pair.kept) - surface.at(pair.lost);
-        self.quadrics[pair.lost as usize].at(step) + self.quadrics[pair.kept as usize].c
+        self.quadrics[pair.lost as usize].at(surface.at(pair.kept) - surface.at(pair.lost))
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {

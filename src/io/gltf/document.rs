@@ -1,0 +1,298 @@
+//! The container side of glTF 2.0: GLB chunks, the part of the JSON that shapes geometry, and the buffers.
+//!
+//! The document is our own few structures over `serde_json`: general readers refuse a whole file for a required *texture*
+//! extension, drop attributes of an application's own, and keep structures for everything that is no geometry. All
+//! indices are checked where they are used, none is trusted here.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::io::error::ReadError;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Document {
+    pub asset: Option<Asset>,
+    pub scene: Option<usize>,
+    pub scenes: Vec<Scene>,
+    pub nodes: Vec<Node>,
+    pub meshes: Vec<MeshOf>,
+    pub materials: Vec<Named>,
+    pub accessors: Vec<Accessor>,
+    pub buffer_views: Vec<View>,
+    pub buffers: Vec<Buffer>,
+    pub extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Asset {
+    pub version: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Named {
+    #[serde(default)]
+    pub name: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Scene {
+    #[serde(default)]
+    pub nodes: Vec<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Node {
+    pub mesh: Option<usize>,
+    #[serde(default)]
+    pub children: Vec<usize>,
+    /// Apart, as most nodes have none.
+    pub matrix: Option<Box<[f64; 16]>>,
+    pub translation: Option<[f64; 3]>,
+    pub rotation: Option<[f64; 4]>,
+    pub scale: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct MeshOf {
+    pub primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Primitive {
+    pub attributes: BTreeMap<String, usize>,
+    pub indices: Option<usize>,
+    pub material: Option<usize>,
+    #[serde(default = "triangles")]
+    pub mode: u32,
+}
+
+fn triangles() -> u32 {
+    4
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub buffer_view: Option<usize>,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub component_type: u32,
+    #[serde(default)]
+    pub normalized: bool,
+    pub count: usize,
+    #[serde(rename = "type")]
+    pub shape: String,
+    pub sparse: Option<Box<Sparse>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sparse {
+    pub count: usize,
+    pub indices: SparseIndices,
+    pub values: SparseValues,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparseIndices {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub component_type: u32,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparseValues {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct View {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub uri: Option<String>,
+    pub byte_length: usize,
+}
+
+/// Extensions that replace buffers by a coding of their own.
+const COMPRESSED: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// The document of a .gltf or .glb file, and the binary chunk of the latter.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), ReadError> {
+    let (json, chunk) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
+    let json = crate::io::text::without_mark(json);
+    let document: Document =
+        serde_json::from_slice(json).map_err(|e| ReadError::invalid(format!("the glTF document: {e}")))?;
+    match &document.asset {
+        Some(asset) if asset.version.starts_with("2.") => {}
+        Some(asset) => return Err(ReadError::unsupported(format!("glTF version {:?}", asset.version))),
+        None => return Err(ReadError::invalid("the glTF document has no asset version")),
+    }
+    match document.extensions_required.iter().find(|e| COMPRESSED.contains(&e.as_str())) {
+        Some(name) => Err(ReadError::unsupported(format!("the glTF extension {name}"))),
+        None => Ok((document, chunk)),
+    }
+}
+
+/// Splits a GLB file (glTF 2.0, 4.4) into its JSON and its binary chunk; further chunks are passed over.
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
+    let word = |at: usize| {
+        let found = bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
+        found
+            .map(|&b| u32::from_le_bytes(b))
+            .ok_or_else(|| ReadError::truncated(format!("the GLB file ends at byte {at}")))
+    };
+    if word(4)? != 2 {
+        return Err(ReadError::unsupported(format!("GLB version {}", word(4)?)));
+    }
+    let length = word(8)? as usize;
+    if length > bytes.len() {
+        return Err(ReadError::truncated(format!(
+            "the GLB file says {length} bytes, {} are there",
+            bytes.len()
+        )));
+    }
+    let chunk = |at: usize| -> Result<(&[u8], u32, usize), ReadError> {
+        let (size, kind, start) = (word(at)? as usize, word(at + 4)?, at + 8);
+        let content = bytes[..length].get(start..).and_then(|rest| rest.get(..size));
+        let content = content
+            .ok_or_else(|| ReadError::truncated(format!("the GLB chunk of {size} bytes at byte {at}")))?;
+        Ok((content, kind, start + size))
+    };
+    let (json, kind, mut at) = chunk(12)?;
+    if kind != u32::from_le_bytes(*b"JSON") {
+        return Err(ReadError::byte(16, "the first GLB chunk is not JSON"));
+    }
+    while at + 8 <= length {
+        let (content, kind, end) = chunk(at)?;
+        if kind == u32::from_le_bytes(*b"BIN\0") {
+            return Ok((json, Some(content)));
+        }
+        at = end;
+    }
+    Ok((json, None))
+}
+
+/// The bytes of all buffers: the binary chunk, data URIs, and files beside the document. Images are never opened.
+pub(super) fn buffers<'a>(
+    document: &Document,
+    chunk: Option<&'a [u8]>,
+    directory: Option<&Path>,
+) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
+    let mut all = Vec::with_capacity(document.buffers.len());
+    let mut files = BTreeSet::new();
+    for (i, buffer) in document.buffers.iter().enumerate() {
+        let bytes = match &buffer.uri {
+            None if i == 0 => {
+                let chunk = chunk
+                    .ok_or_else(|| ReadError::invalid("buffer 0 has no uri, and there is no binary chunk"))?;
+                Cow::Borrowed(chunk)
+            }
+            None => return Err(ReadError::invalid(format!("buffer {i} has no uri"))),
+            Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
+                Some(data) => decode_data(data)
+                    .ok_or_else(|| ReadError::invalid(format!("buffer {i} has a damaged data URI")))?,
+                None => read_file(i, uri, buffer.byte_length, directory, &mut files)?,
+            }),
+        };
+        if bytes.len() < buffer.byte_length {
+            let what = format!("buffer {i} says {} bytes, {} are there", buffer.byte_length, bytes.len());
+            return Err(ReadError::truncated(what));
+        }
+        all.push(bytes);
+    }
+    Ok(all)
+}
+
+/// A file beside the document or below it; one elsewhere is no business of a model's. Each is read once: a document
+/// that names one again and again would multiply it.
+fn read_file(
+    i: usize,
+    uri: &str,
+    length: usize,
+    directory: Option<&Path>,
+    files: &mut BTreeSet<PathBuf>,
+) -> Result<Vec<u8>, ReadError> {
+    use std::io::Read;
+    let unresolved =
+        || ReadError::unsupported(format!("buffer {i} is at {uri:?}, which is no file beside the document"));
+    let relative = percent_decoded(uri).ok_or_else(unresolved)?;
+    let stays = |c: Component| matches!(c, Component::Normal(_) | Component::CurDir);
+    if relative.contains(':') || !Path::new(&relative).components().all(stays) {
+        return Err(unresolved());
+    }
+    let relative: PathBuf = Path::new(&relative).components().filter(|c| *c != Component::CurDir).collect();
+    let path = directory.ok_or_else(unresolved)?.join(&relative);
+    if !files.insert(relative) {
+        return Err(ReadError::unsupported(format!("buffer {i} is the same file as another, {uri:?}")));
+    }
+    let fail = |source| ReadError::Io { path: path.clone(), source };
+    let file = std::fs::File::open(&path).map_err(fail)?;
+    // The buffer's own length bounds what is read, the file's length what is reserved.
+    let there = file.metadata().map_err(fail)?.len();
+    let mut bytes = Vec::with_capacity(length.min(usize::try_from(there).unwrap_or(usize::MAX)));
+    file.take(length as u64).read_to_end(&mut bytes).map_err(fail)?;
+    Ok(bytes)
+}
+
+fn percent_decoded(uri: &str) -> Option<String> {
+    let mut out = Vec::with_capacity(uri.len());
+    let mut bytes = uri.bytes();
+    while let Some(byte) = bytes.next() {
+        out.push(match byte {
+            b'%' => {
+                let mut digit = || char::from(bytes.next()?).to_digit(16);
+                (digit()? * 16 + digit()?) as u8
+            }
+            _ => byte,
+        });
+    }
+    String::from_utf8(out).ok()
+}
+
+/// What follows `data:`; base64 (RFC 4648, section 4) only, as glTF asks.
+fn decode_data(data: &str) -> Option<Vec<u8>> {
+    let (kind, text) = data.split_once(',')?;
+    if !kind.ends_with(";base64") {
+        return None;
+    }
+    let text = text.trim_end_matches('=').as_bytes();
+    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 3);
+    for group in text.chunks(4) {
+        let mut word = 0_u32;
+        for &byte in group {
+            let value = match byte {
+                b'A'..=b'Z' => byte - b'A',
+                b'a'..=b'z' => byte - b'a' + 26,
+                b'0'..=b'9' => byte - b'0' + 52,
+                b'+' | b'-' => 62,
+                b'/' | b'_' => 63,
+                _ => return None,
+            };
+            word = word << 6 | u32::from(value);
+        }
+        let bytes = (word << (6 * (4 - group.len()))).to_be_bytes();
+        match group.len() {
+            1 => return None,
+            count => out.extend_from_slice(&bytes[1..count]),
+        }
+    }
+    Some(out)
+}

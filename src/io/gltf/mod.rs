@@ -1,0 +1,371 @@
+//! glTF 2.0 and GLB: a scene's meshes as one, in world space.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `document.rs` | the document, the GLB container and the buffers |
+//! | `accessor.rs` | values out of buffers |
+//! | `scene.rs` | nodes and their world transforms |
+//! | `mod.rs` | primitives to a mesh; attributes' names |
+//! | `write.rs` | a mesh to a file |
+//!
+//! Read: triangles, strips and fans of every mesh that a node of the scene shows, once for each such node, positions
+//! and normals taken to world space (triangles turned where that mirrors). Skins and morph targets are not applied: a
+//! skinned mesh is in bind pose at its node. Material ids are the document's, with their names; where only some
+//! primitives have one, the others' id is the number of materials. Primitives with the same accessors share vertices.
+//!
+//! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
+//! `_NAME` one called `NAME`; where a primitive lacks one, zeros stand. Images are never opened.
+
+mod accessor;
+mod document;
+mod scene;
+mod write;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::{DMat3, DMat4, DVec3};
+
+use super::draft::{Draft, Tally};
+use super::error::ReadError;
+use crate::mesh::{Attribute, AttributeValues, names};
+use accessor::{Shape, Store};
+use document::{Document, Primitive};
+pub(super) use write::write;
+
+/// Reads a whole file; buffers in files of their own are looked for in `directory`. O(n) in file and result, and the
+/// result is bounded by a multiple of the bytes read, however often the scene shows a mesh.
+pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draft, ReadError> {
+    let (document, chunk) = document::parse(bytes)?;
+    let buffers = document::buffers(&document, chunk, directory)?;
+    let store = Store::new(&document, &buffers);
+    let instances = scene::instances(&document)?;
+    let mut shown = vec![false; document.meshes.len()];
+    instances.iter().for_each(|instance| shown[instance.mesh] = true);
+
+    let mut builder = Builder {
+        store: &store,
+        streams: streams(&document, &store, &shown)?,
+        draft: Draft::default(),
+        has_materials: primitives(&document, &shown).any(|(_, p)| p.material.is_some()),
+        // 64 MiB and a generous multiple: scenes show a mesh many times for good reasons too.
+        budget: (1 << 26) + 256 * (bytes.len() as u64 + store.bytes() as u64),
+        loose: Tally::default(),
+        other_modes: Tally::default(),
+    };
+    for instance in &instances {
+        builder.add(instance.mesh, instance.world)?;
+    }
+    let Builder { mut draft, streams, loose, other_modes, .. } = builder;
+    other_modes.note("primitives are no triangles and are left out", "mesh", &mut draft.notes);
+    loose.note("primitives have corners that make no whole triangle", "mesh", &mut draft.notes);
+    draft.material_names = document.materials.iter().map(|m| m.name.clone()).collect();
+    draft.attributes = streams.into_iter().map(|s| Attribute::new(s.name, s.width, s.values)).collect();
+    Ok(draft)
+}
+
+/// All primitives of the meshes shown, with the mesh's index.
+fn primitives<'a>(document: &'a Document, shown: &'a [bool]) -> impl Iterator<Item = (usize, &'a Primitive)> {
+    let meshes = document.meshes.iter().enumerate().filter(|(i, _)| shown[*i]);
+    meshes.flat_map(|(i, mesh)| mesh.primitives.iter().map(move |p| (i, p)))
+}
+
+fn is_surface(primitive: &Primitive) -> bool {
+    (4..=6).contains(&primitive.mode)
+}
+
+/// An attribute of the whole mesh being read.
+struct Stream {
+    name: String,
+    width: usize,
+    values: AttributeValues,
+}
+
+impl Stream {
+    fn grow(&mut self, vertices: usize) {
+        let length = vertices * self.width;
+        match &mut self.values {
+            AttributeValues::Float(values) => values.resize(length, 0.0),
+            AttributeValues::Int(values) => values.resize(length, 0),
+            AttributeValues::Uint(values) => values.resize(length, 0),
+        }
+    }
+
+    fn put(&mut self, vertex: usize, component: usize, value: f64) {
+        if component >= self.width {
+            return;
+        }
+        let at = vertex * self.width + component;
+        match &mut self.values {
+            AttributeValues::Float(values) => values[at] = value as f32,
+            AttributeValues::Int(values) => values[at] = value as i32,
+            AttributeValues::Uint(values) => values[at] = value as u32,
+        }
+    }
+}
+
+/// The customary name of a set: `uv`, `uv1`, `uv2`.
+fn numbered(base: &str, set: u32) -> String {
+    if set == 0 { base.to_owned() } else { format!("{base}{set}") }
+}
+
+/// Sets that both sides number, as glTF and this crate call them, with their widths (the larger, and the least).
+const SETS: [(&str, &str, usize, usize); 4] = [
+    ("TEXCOORD_", names::UV, 2, 2),
+    ("COLOR_", names::COLOR, 4, 3),
+    ("JOINTS_", names::JOINTS, 4, 4),
+    ("WEIGHTS_", names::WEIGHTS, 4, 4),
+];
+
+/// The semantic for one of the customary attributes, if it is one of the right width.
+fn semantic(name: &str, width: usize) -> Option<String> {
+    match name {
+        names::NORMAL => return (width == 3).then(|| "NORMAL".to_owned()),
+        names::TANGENT => return (width == 4).then(|| "TANGENT".to_owned()),
+        _ => {}
+    }
+    SETS.iter().find_map(|&(prefix, base, most, least)| {
+        let set = name.strip_prefix(base)?;
+        let set: u32 = if set.is_empty() { 0 } else { set.parse().ok()? };
+        (numbered(base, set) == name && (least..=most).contains(&width)).then(|| format!("{prefix}{set}"))
+    })
+}
+
+/// The name and layout of the attribute that a semantic stands for; none for positions and unknown ones.
+fn attribute(semantic: &str, shape: Shape) -> Option<(String, usize, AttributeValues)> {
+    let float = AttributeValues::Float(Vec::new());
+    match semantic {
+        "NORMAL" => return Some((names::NORMAL.to_owned(), 3, float)),
+        "TANGENT" => return Some((names::TANGENT.to_owned(), 4, float)),
+        _ => {}
+    }
+    for (prefix, base, most, least) in SETS {
+        if let Some(set) = semantic.strip_prefix(prefix).and_then(|set| set.parse().ok()) {
+            let values = if base == names::JOINTS { AttributeValues::Uint(Vec::new()) } else { float };
+            return Some((numbered(base, set), shape.width.clamp(least, most), values));
+        }
+    }
+    let own = semantic.strip_prefix('_')?;
+    // An application's own name must not be taken for one of ours.
+    let taken = (1..=4).any(|width| self::semantic(own, width).is_some());
+    let name = if taken || own.is_empty() { semantic } else { own };
+    let values = match (shape.is_float(), shape.is_signed()) {
+        (true, _) => float,
+        (_, true) => AttributeValues::Int(Vec::new()),
+        _ => AttributeValues::Uint(Vec::new()),
+    };
+    Some((name.to_owned(), shape.width, values))
+}
+
+/// The attributes that any primitive has, each as wide as its widest; floats where primitives disagree.
+fn streams(document: &Document, store: &Store, shown: &[bool]) -> Result<Vec<Stream>, ReadError> {
+    let mut found: BTreeMap<&str, Stream> = BTreeMap::new();
+    for (_, primitive) in primitives(document, shown).filter(|(_, p)| is_surface(p)) {
+        for (semantic, &accessor) in &primitive.attributes {
+            let Some((name, width, values)) = attribute(semantic, store.shape(accessor)?) else { continue };
+            let stream =
+                found.entry(semantic).or_insert_with(|| Stream { name, width, values: values.clone() });
+            stream.width = stream.width.max(width);
+            if std::mem::discriminant(&stream.values) != std::mem::discriminant(&values) {
+                stream.values = AttributeValues::Float(Vec::new());
+            }
+        }
+    }
+    if found.len() > MAX_STREAMS {
+        return Err(ReadError::unsupported(format!(
+            "{} different attributes, more than {MAX_STREAMS}",
+            found.len()
+        )));
+    }
+    Ok(found.into_values().collect())
+}
+
+/// Every attribute gets a value for every vertex, so many different ones in small primitives would multiply the file.
+const MAX_STREAMS: usize = 64;
+
+struct Builder<'a> {
+    store: &'a Store<'a>,
+    streams: Vec<Stream>,
+    draft: Draft,
+    has_materials: bool,
+    budget: u64,
+    loose: Tally,
+    other_modes: Tally,
+}
+
+impl<'a> Builder<'a> {
+    /// Adds all primitives of a mesh.
+    fn add(&mut self, mesh: usize, world: DMat4) -> Result<(), ReadError> {
+        let document = self.store.document;
+        let mut shared: BTreeMap<&BTreeMap<String, usize>, (usize, usize)> = BTreeMap::new();
+        for (p, primitive) in document.meshes[mesh].primitives.iter().enumerate() {
+            self.spend(64)?;
+            let position = primitive.attributes.get("POSITION");
+            let (true, Some(&position)) = (is_surface(primitive), position) else {
+                self.other_modes.add(mesh);
+                continue;
+            };
+            let (base, count) = match shared.get(&primitive.attributes) {
+                Some(&known) => known,
+                None => {
+                    let added = self.vertices(mesh, primitive, position, world)?;
+                    shared.insert(&primitive.attributes, added);
+                    added
+                }
+            };
+            let before = self.draft.triangles.len();
+            self.triangles(mesh, p, primitive, base, count)?;
+            if world.determinant() < 0.0 {
+                self.draft.triangles[before..].iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            let materials = document.materials.len();
+            if let Some(id) = primitive.material.filter(|&id| id >= materials) {
+                return Err(ReadError::invalid(format!(
+                    "mesh {mesh} names material {id}, but there are {materials}"
+                )));
+            }
+            if self.has_materials {
+                let id = primitive.material.unwrap_or(materials) as u32;
+                self.draft.materials.resize(self.draft.triangles.len(), id);
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts bytes that the result will take: twice its size, as arrays grow by doubling.
+    fn spend(&mut self, bytes: usize) -> Result<(), ReadError> {
+        let left = self.budget.checked_sub(bytes as u64);
+        self.budget = left
+            .ok_or_else(|| ReadError::too_large("the scene shows its meshes too many times for its size"))?;
+        Ok(())
+    }
+
+    /// Adds the vertices of a primitive: their first, and how many.
+    fn vertices(
+        &mut self,
+        mesh: usize,
+        primitive: &Primitive,
+        position: usize,
+        world: DMat4,
+    ) -> Result<(usize, usize), ReadError> {
+        let (base, count) = (self.draft.positions.len(), self.store.count(position)?);
+        if self.store.shape(position)?.width != 3 {
+            return Err(ReadError::invalid(format!("mesh {mesh} has positions that are not of type VEC3")));
+        }
+        let width: usize = self.streams.iter().map(|s| s.width).sum();
+        self.spend(count.saturating_mul(2 * (24 + 4 * width)))?;
+        self.draft.positions.resize(base + count, [0.0; 3]);
+        self.streams.iter_mut().for_each(|s| s.grow(base + count));
+        self.store.values(position, |v, axis, value| self.draft.positions[base + v][axis] = value)?;
+        let is_moved = world != DMat4::IDENTITY;
+        if is_moved {
+            for p in &mut self.draft.positions[base..] {
+                *p = world.transform_point3(DVec3::from_array(*p)).to_array();
+            }
+        }
+        for (semantic, &accessor) in &primitive.attributes {
+            let shape = self.store.shape(accessor)?;
+            let Some((name, ..)) = attribute(semantic, shape) else { continue };
+            let Some(stream) = self.streams.iter_mut().find(|s| s.name == name) else { continue };
+            let found = self.store.count(accessor)?;
+            if found != count {
+                let what = format!("mesh {mesh} has {found} values of {semantic} for {count} positions");
+                return Err(ReadError::invalid(what));
+            }
+            if name.starts_with(names::COLOR) && shape.width == 3 {
+                // No alpha is opaque.
+                (0..count).for_each(|v| stream.put(base + v, 3, 1.0));
+            }
+            self.store.values(accessor, |v, component, value| stream.put(base + v, component, value))?;
+            if is_moved {
+                turn(stream, base, world);
+            }
+        }
+        Ok((base, count))
+    }
+
+    /// Adds the triangles of a primitive, whose vertices are `base..base + count`.
+    fn triangles(
+        &mut self,
+        mesh: usize,
+        p: usize,
+        primitive: &Primitive,
+        base: usize,
+        count: usize,
+    ) -> Result<(), ReadError> {
+        let mut corners: Vec<u32> = Vec::new();
+        if let Some(accessor) = primitive.indices {
+            let shape = self.store.shape(accessor)?;
+            if shape.width != 1 || shape.is_float() || shape.is_signed() {
+                return Err(ReadError::invalid(format!(
+                    "mesh {mesh} primitive {p} has indices of no index type"
+                )));
+            }
+            let length = self.store.count(accessor)?;
+            self.spend(length.saturating_mul(2 * 16))?;
+            corners.resize(length, 0);
+            let mut beyond = None;
+            self.store.values(accessor, |i, _, value| {
+                let index = value as usize;
+                if index >= count {
+                    beyond = beyond.or(Some((i, index)));
+                }
+                corners[i] = (base + index) as u32;
+            })?;
+            if let Some((i, index)) = beyond {
+                let what = format!(
+                    "mesh {mesh} primitive {p}: index {i} names vertex {index}, but there are {count} vertices"
+                );
+                return Err(ReadError::invalid(what));
+            }
+        } else {
+            self.spend(count.saturating_mul(2 * 16))?;
+            corners.extend((base..base + count).map(|v| v as u32));
+        }
+        let triangles = &mut self.draft.triangles;
+        let distinct = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        match primitive.mode {
+            4 => {
+                if !corners.len().is_multiple_of(3) {
+                    self.loose.add(mesh);
+                }
+                triangles.extend(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+            }
+            // A strip's degenerate triangles only bring it to another place.
+            5 => {
+                let strip = corners.windows(3).enumerate();
+                triangles.extend(strip.map(|(i, c)| [c[i % 2], c[1 - i % 2], c[2]]).filter(distinct));
+            }
+            _ => {
+                let first = corners.first().copied().unwrap_or_default();
+                triangles
+                    .extend(corners.get(1..).unwrap_or_default().windows(2).map(|c| [first, c[0], c[1]]));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Takes normals and tangents from `first` on to world space: normals by the inverse transpose, tangents as directions in
+/// the surface; a mirror changes the handedness of the latter.
+fn turn(stream: &mut Stream, first: usize, world: DMat4) {
+    let linear = DMat3::from_mat4(world);
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    // The inverse transpose up to scale, which exists for flat transforms too.
+    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
+    let matrix = match stream.name.as_str() {
+        names::NORMAL => cofactor,
+        names::TANGENT => linear,
+        _ => return,
+    };
+    let AttributeValues::Float(values) = &mut stream.values else { return };
+    for value in values[first * stream.width..].chunks_exact_mut(stream.width) {
+        let turned = matrix * DVec3::new(f64::from(value[0]), f64::from(value[1]), f64::from(value[2]));
+        let unit = turned.normalize_or_zero().to_array();
+        value.iter_mut().zip(unit).for_each(|(x, turned)| *x = turned as f32);
+        if let Some(hand) = value.get_mut(3) {
+            *hand *= sign as f32;
+        }
+    }
+}

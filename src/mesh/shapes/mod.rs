@@ -1,0 +1,88 @@
+//! Procedural meshes: smooth ones, natural ones, awkward ones, and the demo.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `solids.rs` | spheres and boxes |
+//! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
+//! | `nature.rs` | fractal terrain and rocks |
+//! | `awkward.rs` | the smallest meshes that break careless code |
+//! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
+//! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
+//! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
+//!
+//! All are in object units, y up, with triangles counter-clockwise seen from outside or above. Where a surface closes
+//! on itself (seams, poles, creases) positions are equal bit for bit, so welding closes it.
+//!
+//! The same arguments give the same bytes on every platform: nothing but sums, products, quotients and square roots
+//! is used. Counts that are too small are raised to the least that makes sense, counts that are too large are lowered
+//! to what a [`Mesh`] can hold, and lengths that are not positive and finite are replaced; each function says how.
+
+mod awkward;
+mod demo;
+mod nature;
+mod noise;
+mod part;
+mod solids;
+mod tubes;
+
+pub use awkward::{book, bowtie, hub, pillow, plane, soup, spindle, tetrahedron, two_spheres_touching};
+pub use demo::demo;
+pub use nature::{rock, terrain};
+pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
+pub use tubes::{moebius, open_cylinder, torus, torus_knot};
+
+use super::Mesh;
+
+/// Most cells in a grid: four vertices or two triangles for each stay below [`MAX_ELEMENTS`](super::MAX_ELEMENTS).
+const MAX_CELLS: u32 = 1 << 28;
+
+/// A mesh of positions and triangles alone.
+fn bare(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
+    Mesh::from_trusted(positions, triangles, Vec::new(), Vec::new(), Vec::new(), Vec::new())
+}
+
+/// Columns and rows of a grid, raised to the least and lowered until there are at most [`MAX_CELLS`] cells.
+fn fit(columns: u32, rows: u32, least: [u32; 2]) -> [u32; 2] {
+    let columns = columns.clamp(least[0], MAX_CELLS / least[1]);
+    [columns, rows.clamp(least[1], (MAX_CELLS / columns).max(least[1]))]
+}
+
+/// The two triangles of every cell of a grid, row by row, for the vertex numbers that `at` gives to (column, row).
+/// Columns run to the right and rows up as seen from outside.
+fn cells(columns: u32, rows: u32, triangles: &mut Vec<[u32; 3]>, at: impl Fn(u32, u32) -> u32) {
+    triangles.reserve(2 * columns as usize * rows as usize);
+    for row in 0..rows {
+        for column in 0..columns {
+            let [a, b] = [at(column, row), at(column + 1, row)];
+            let [d, c] = [at(column, row + 1), at(column + 1, row + 1)];
+            triangles.push([a, b, c]);
+            triangles.push([a, c, d]);
+        }
+    }
+}
+
+/// A length that is positive and finite, and far from overflow; `default` in place of any other.
+fn length_or(length: f32, default: f32) -> f64 {
+    f64::from(if length > 1e-18 && length < 1e18 { length } else { default })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MAX_ELEMENTS;
+    use super::fit;
+
+    #[test]
+    fn grids_of_any_size_fit_a_mesh() {
+        let counts = [0, 1, 2, 3, 4, 1000, 1 << 14, 1 << 27, 1 << 28, u32::MAX];
+        for (columns, rows) in counts.iter().flat_map(|&c| counts.map(|r| (c, r))) {
+            for least in [[3, 3], [3, 2], [3, 1], [1, 1]] {
+                let [c, r] = fit(columns, rows, least);
+                assert!(c >= least[0] && r >= least[1]);
+                let (c, r) = (c as usize, r as usize);
+                assert!((c + 1) * (r + 1) <= MAX_ELEMENTS && 2 * c * r <= MAX_ELEMENTS, "{columns} x {rows}");
+                let small = columns >= least[0] && rows >= least[1] && columns <= 16384 && rows <= 16384;
+                assert!(!small || (c, r) == (columns as usize, rows as usize));
+            }
+        }
+    }
+}

@@ -1,0 +1,487 @@
+//! The surface of a mesh in a hierarchy of boxes: nearest point, and first hit along a ray.
+//!
+//! ```text
+//!   mesh --drop degenerate--> --sort by hash of the box--> --one primitive per box--> locally ordered clustering
+//! ```
+//!
+//! The tree comes from [`obvhs`] (Meister and Bittner, "Parallel Locally-Ordered Clustering", TVCG 2018), which pairs
+//! neighbours that prefer each other. Many equal boxes all prefer the same neighbour, one pair a round: O(n^2).
+//! Sorting by a hash brings equal boxes together, where they become one primitive, and shuffles the rest, so that no
+//! order of the input survives to make such a chain.
+//!
+//! Boxes are single precision in a frame of their own (centred, scaled by a power of two to lie in -1..1). Triangles
+//! are tested in double precision in object units, so the answers are exact to rounding wherever the mesh lies and
+//! whatever its size; the boxes' rounding only widens the search.
+
+use glam::{DVec3, Vec3A};
+use obvhs::{
+    Boundable,
+    aabb::Aabb,
+    bvh2::{Bvh2, leaf_collapser::collapse, node::Bvh2Node},
+    ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
+};
+
+use crate::mesh::{Mesh, NONE};
+
+use super::hash;
+
+/// A corner whose squared sine is below this has weights that rounding may spoil.
+const SLIVER: f64 = 1e-10;
+/// Boxes are widened by this much (frame units), far more than a coordinate's rounding.
+const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
+/// Queries farther than this from the frame's centre (frame units) are moved in to it along their direction, where
+/// boxes can still be told apart. From so far away the surface's width is a matter of 1 / FAR^2: what lies nearest to
+/// the nearer point is nearest to the farther one to within that share of the distance.
+const FAR: f64 = (1 << 12) as f64;
+
+/// The corners of a triangle, object units.
+pub(crate) type Corners = [DVec3; 3];
+
+/// The surface of a mesh: its triangles that have an area, coincident ones once.
+///
+/// Triangles are renumbered into *slots* in the order of the tree's leaves: slots that are near in number are near in
+/// space. 36 bytes a slot and at most 96 for the nodes. Built in O(n log n).
+#[derive(Debug)]
+pub(crate) struct Bvh {
+    nodes: Vec<Bvh2Node>,
+    corners: Vec<[[f32; 3]; 3]>,
+    triangle_of: Vec<u32>,
+    frame: Frame,
+}
+
+/// The centre and scale of the boxes' coordinates.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    centre: DVec3,
+    /// A power of two: scaling never rounds.
+    scale: f64,
+}
+
+/// The point of a surface nearest to some point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Closest {
+    /// Slot of its triangle.
+    pub slot: u32,
+    /// Where it is, object units.
+    pub point: DVec3,
+    /// Distance squared, object units.
+    pub distance_squared: f64,
+}
+
+/// Where a ray first meets a surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RayHit {
+    /// Slot of the triangle.
+    pub slot: u32,
+    /// Weights of its corners.
+    pub weights: [f64; 3],
+    /// Distance along the ray in units of its direction.
+    pub t: f64,
+}
+
+struct PrimitiveBox(Aabb);
+
+impl Boundable for PrimitiveBox {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Bvh {
+    /// The surface of a mesh; `None` where no triangle has an area.
+    pub(crate) fn new(mesh: &Mesh) -> Option<Self> {
+        let kept: Vec<u32> =
+            (0..mesh.triangles().len() as u32).filter(|&t| has_area(&corners_of(mesh, t))).collect();
+        let frame = Frame::around(kept.iter().flat_map(|&t| corners_of(mesh, t)))?;
+        let boxes: Vec<Aabb> = kept.iter().map(|&t| frame.bounds(&corners_of(mesh, t))).collect();
+
+        // Per primitive its run of `order`; equal boxes share one, coincident triangles after the first are left out.
+        let (order, runs) = group_by_box(mesh, &kept, &boxes);
+        let primitives: Vec<PrimitiveBox> = runs
+            .windows(2)
+            .map(|run| {
+                let mut all = Aabb::empty();
+                for &item in &order[run[0] as usize..run[1] as usize] {
+                    all = all.union(&boxes[item as usize]);
+                }
+                PrimitiveBox(all)
+            })
+            .collect();
+
+        let mut tree = PlocBuilder::with_capacity(primitives.len()).build(
+            PlocSearchDistance::Medium,
+            &primitives,
+            (0..primitives.len() as u32).collect(),
+            SortPrecision::U64,
+            1,
+        );
+        collapse(&mut tree, 4, 1.0);
+        Some(Self::with_leaf_order(mesh, tree, frame, &|primitive| {
+            let run = runs[primitive as usize] as usize..runs[primitive as usize + 1] as usize;
+            order[run].iter().map(|&item| kept[item as usize])
+        }))
+    }
+
+    /// Lays the triangles out in the order of the leaves, and points the leaves at them.
+    fn with_leaf_order<I: Iterator<Item = u32>>(
+        mesh: &Mesh,
+        tree: Bvh2,
+        frame: Frame,
+        triangles_of_primitive: &impl Fn(u32) -> I,
+    ) -> Self {
+        let mut nodes = tree.nodes;
+        let mut triangle_of = Vec::new();
+        let mut stack = vec![0u32];
+        while let Some(index) = stack.pop() {
+            let Some(node) = nodes.get_mut(index as usize) else { continue };
+            node.aabb.min -= BOX_MARGIN;
+            node.aabb.max += BOX_MARGIN;
+            if node.is_leaf() {
+                let first = triangle_of.len() as u32;
+                let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+                for &primitive in &tree.primitive_indices[range] {
+                    triangle_of.extend(triangles_of_primitive(primitive));
+                }
+                node.first_index = first;
+                node.prim_count = triangle_of.len() as u32 - first;
+            } else {
+                stack.extend([node.first_index + 1, node.first_index]);
+            }
+        }
+        let corners = triangle_of
+            .iter()
+            .map(|&t| mesh.triangles()[t as usize].map(|v| mesh.positions()[v as usize]))
+            .collect();
+        Self { nodes, corners, triangle_of, frame }
+    }
+
+    /// Number of slots.
+    pub(crate) fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// A length about that of the surface, object units: half to all of its box's longest side.
+    pub(crate) fn size(&self) -> f64 {
+        1.0 / self.frame.scale
+    }
+
+    /// The corners of a slot's triangle.
+    pub(crate) fn corners(&self, slot: u32) -> Corners {
+        self.corners[slot as usize].map(wide)
+    }
+
+    /// The mesh's triangle of every slot.
+    pub(crate) fn triangle_of(&self) -> &[u32] {
+        &self.triangle_of
+    }
+
+    /// Something to ask many questions with.
+    pub(crate) fn walker(&self) -> Walker<'_> {
+        Walker { bvh: self, near: Vec::with_capacity(64), hint: NONE }
+    }
+}
+
+/// Asks a surface many questions: holds the stack, and where the last answer was.
+pub(crate) struct Walker<'a> {
+    bvh: &'a Bvh,
+    /// First child of a pair of nodes, and the pair's bound: distance squared, or distance along the ray.
+    near: Vec<(u32, f32)>,
+    hint: u32,
+}
+
+impl Walker<'_> {
+    /// The point of the surface nearest to `point`. Fastest when consecutive questions are near each other: the last
+    /// answer's triangle bounds the search from the start. O(log n) expected.
+    pub(crate) fn closest(&mut self, point: DVec3) -> Closest {
+        let bvh = self.bvh;
+        let mut query = bvh.frame.to_frame(point);
+        let mut searched = point;
+        let reach = query.length();
+        if reach > FAR {
+            query *= FAR / reach;
+            searched = bvh.frame.to_object(query);
+        }
+        let q = query.as_vec3a();
+        // The query's own rounding, and that of the differences below.
+        let slack = reach.clamp(1.0, FAR) * f64::from(BOX_MARGIN);
+        let bound = |best: &Closest| -> f32 {
+            let widened = best.distance_squared.sqrt() * bvh.frame.scale + slack;
+            (widened * widened) as f32 * (1.0 + 4.0 * f32::EPSILON)
+        };
+
+        let mut best = bvh.closest_on_slot(if self.hint == NONE { 0 } else { self.hint }, searched);
+        let mut limit = bound(&best);
+        self.near.clear();
+        let visit = |node: &Bvh2Node, best: &mut Closest, limit: &mut f32| {
+            for slot in node.first_index..node.first_index + node.prim_count {
+                let found = bvh.closest_on_slot(slot, searched);
+                if found.distance_squared < best.distance_squared {
+                    *best = found;
+                    *limit = bound(best);
+                }
+            }
+        };
+        let root = &bvh.nodes[0];
+        let mut pair = root.first_index;
+        if root.is_leaf() {
+            visit(root, &mut best, &mut limit);
+        } else {
+            loop {
+                let (mut a, mut b) = (&bvh.nodes[pair as usize], &bvh.nodes[pair as usize + 1]);
+                let (mut near, mut far) = (box_distance_squared(a, q), box_distance_squared(b, q));
+                if far < near {
+                    (a, b, near, far) = (b, a, far, near);
+                }
+                let mut next = NONE;
+                if near <= limit {
+                    if a.is_leaf() {
+                        visit(a, &mut best, &mut limit);
+                    } else {
+                        next = a.first_index;
+                    }
+                    if far <= limit {
+                        if !b.is_leaf() {
+                            if next == NONE {
+                                next = b.first_index;
+                            } else {
+                                self.near.push((b.first_index, far));
+                            }
+                        } else {
+                            visit(b, &mut best, &mut limit);
+                        }
+                    }
+                }
+                while next == NONE {
+                    match self.near.pop() {
+                        Some((waiting, distance)) if distance <= limit => next = waiting,
+                        Some(_) => {}
+                        None => break,
+                    }
+                }
+                if next == NONE {
+                    break;
+                }
+                pair = next;
+            }
+        }
+        self.hint = best.slot;
+        if reach > FAR { bvh.closest_on_slot(best.slot, point) } else { best }
+    }
+
+    /// Where the ray first meets the surface, from either side, at `0 < t < reach`. A direction of length 0 meets
+    /// nothing. O(log n) expected.
+    pub(crate) fn first_hit(&mut self, origin: DVec3, direction: DVec3, reach: f64) -> Option<RayHit> {
+        let bvh = self.bvh;
+        let d = direction.normalize_or_zero();
+        let o = bvh.frame.to_frame(origin);
+        // Start where the ray enters the sphere around the frame's cube, so that boxes see small coordinates.
+        let middle = -o.dot(d);
+        let half_chord = 4.0 - (o + d * middle).length_squared();
+        if d == DVec3::ZERO || !half_chord.is_finite() || half_chord < 0.0 {
+            return None;
+        }
+        let skipped = (middle - half_chord.sqrt()).max(0.0);
+        let start = (o + d * skipped).as_vec3a();
+        // Nowhere 0, so that 0 times infinity cannot happen.
+        let inverse =
+            DVec3::from_array(d.to_array().map(|x| 1.0 / if x.abs() < 1e-20 { 1e-20 } else { x })).as_vec3a();
+        // Frame distance from `start` is t * per_t - skipped.
+        let per_t = direction.length() * bvh.frame.scale;
+
+        let mut best: Option<RayHit> = None;
+        let in_frame = |t: f64| (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
+        let mut limit = in_frame(reach);
+        self.near.clear();
+        let mut visit = |node: &Bvh2Node, limit: &mut f32| {
+            for slot in node.first_index..node.first_index + node.prim_count {
+                if let Some((t, weights)) = hit_triangle(&bvh.corners(slot), origin, direction)
+                    && best.map_or(t < reach, |b| t < b.t || (t == b.t && slot < b.slot))
+                {
+                    best = Some(RayHit { slot, weights, t });
+                    *limit = in_frame(t);
+                }
+            }
+        };
+        let root = &bvh.nodes[0];
+        let mut pair = root.first_index;
+        if root.is_leaf() {
+            visit(root, &mut limit);
+            return best;
+        }
+        loop {
+            let (mut a, mut b) = (&bvh.nodes[pair as usize], &bvh.nodes[pair as usize + 1]);
+            let (mut near, mut far) = (box_entry(a, start, inverse), box_entry(b, start, inverse));
+            if far < near {
+                (a, b, near, far) = (b, a, far, near);
+            }
+            let mut next = NONE;
+            for (node, entry) in [(a, near), (b, far)] {
+                if entry > limit || entry == f32::INFINITY {
+                    continue;
+                }
+                if node.is_leaf() {
+                    visit(node, &mut limit);
+                } else if next == NONE {
+                    next = node.first_index;
+                } else {
+                    self.near.push((node.first_index, entry));
+                }
+            }
+            while next == NONE {
+                match self.near.pop() {
+                    Some((waiting, entry)) if entry <= limit => next = waiting,
+                    Some(_) => {}
+                    None => return best,
+                }
+            }
+            pair = next;
+        }
+    }
+}
+
+impl Bvh {
+    fn closest_on_slot(&self, slot: u32, point: DVec3) -> Closest {
+        let (point, distance_squared) = closest_on_triangle(&self.corners(slot), point);
+        Closest { slot, point, distance_squared }
+    }
+}
+
+impl Frame {
+    /// The frame in which the points lie in -1..1; `None` without points or with a single one.
+    fn around(points: impl Iterator<Item = DVec3>) -> Option<Self> {
+        let (low, high) =
+            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let half = (high - low).max_element() * 0.5;
+        if !(half.is_finite() && half > 0.0) {
+            return None;
+        }
+        // The next power of two by its exponent, which is exact where a logarithm is not.
+        let exponent = half.to_bits() >> 52;
+        Some(Self { centre: low + (high - low) * 0.5, scale: f64::from_bits((2045 - exponent) << 52) })
+    }
+
+    fn to_frame(self, point: DVec3) -> DVec3 {
+        (point - self.centre) * self.scale
+    }
+
+    fn to_object(self, point: DVec3) -> DVec3 {
+        point / self.scale + self.centre
+    }
+
+    fn bounds(self, corners: &Corners) -> Aabb {
+        Aabb::from_points(&corners.map(|p| self.to_frame(p).as_vec3a()))
+    }
+}
+
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from_array(p.map(f64::from))
+}
+
+fn corners_of(mesh: &Mesh, triangle: u32) -> Corners {
+    mesh.triangles()[triangle as usize].map(|v| wide(mesh.positions()[v as usize]))
+}
+
+/// Whether a triangle has an area. Differences and products of single precision numbers lose next to nothing in
+/// double precision, so this needs no tolerance.
+pub(crate) fn has_area(&[a, b, c]: &Corners) -> bool {
+    (b - a).cross(c - a) != DVec3::ZERO
+}
+
+/// Items of `kept` sorted by a hash of their box, coincident ones once, and where each run of equal boxes starts (one
+/// more than runs). Two boxes of equal hash share a run too: slower, not wrong.
+fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32>) {
+    let word = |x: f32| u64::from((x + 0.0).to_bits());
+    let corner_hash = |v: u32| hash::words(mesh.positions()[v as usize].map(word));
+    let mut sorted: Vec<(u64, u64, u32)> = (0..kept.len())
+        .map(|item| {
+            let Aabb { min, max } = boxes[item];
+            let of_box = hash::words([min.x, min.y, min.z, max.x, max.y, max.z].map(word));
+            // A sum, so that the order and the sense of the corners do not count.
+            let of_corners = mesh.triangles()[kept[item] as usize]
+                .iter()
+                .fold(0u64, |sum, &v| sum.wrapping_add(corner_hash(v)));
+            (of_box, of_corners, item as u32)
+        })
+        .collect();
+    sorted.sort_unstable();
+    sorted.dedup_by(|next, first| {
+        next.0 == first.0
+            && next.1 == first.1
+            && coincident(mesh, kept[next.2 as usize], kept[first.2 as usize])
+    });
+    let mut runs: Vec<u32> =
+        (0..sorted.len()).filter(|&i| i == 0 || sorted[i].0 != sorted[i - 1].0).map(|i| i as u32).collect();
+    runs.push(sorted.len() as u32);
+    (sorted.into_iter().map(|(_, _, item)| item).collect(), runs)
+}
+
+/// Whether two triangles have the same three corners, in any order.
+fn coincident(mesh: &Mesh, a: u32, b: u32) -> bool {
+    let corners = |t: u32| mesh.triangles()[t as usize].map(|v| mesh.positions()[v as usize]);
+    let (a, b) = (corners(a), corners(b));
+    a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
+}
+
+#[inline]
+fn box_distance_squared(node: &Bvh2Node, q: Vec3A) -> f32 {
+    let outside = (node.aabb.min - q).max(q - node.aabb.max).max(Vec3A::ZERO);
+    outside.length_squared()
+}
+
+/// Where the ray enters a box (0: starts inside), infinity where it misses.
+#[inline]
+fn box_entry(node: &Bvh2Node, start: Vec3A, inverse: Vec3A) -> f32 {
+    let (low, high) = ((node.aabb.min - start) * inverse, (node.aabb.max - start) * inverse);
+    let entry = low.min(high).max_element().max(0.0);
+    let exit = low.max(high).min_element();
+    if entry <= exit { entry } else { f32::INFINITY }
+}
+
+/// The point of a triangle nearest to `p`, and its distance squared.
+///
+/// Inside the prism over the triangle it is the foot on the plane; elsewhere it lies on one of the at most two edges
+/// that `p` is on the outer side of. Whatever rounding does to the weights, the answer is a point of the triangle and
+/// its distance from `p`, never less than the true distance. In a sliver all edges are tried too: nothing is farther
+/// from them than half its height.
+pub(crate) fn closest_on_triangle(&[a, b, c]: &Corners, p: DVec3) -> (DVec3, f64) {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(ac);
+    let square = normal.length_squared();
+    let (v, w) = (ap.cross(ac).dot(normal) / square, ab.cross(ap).dot(normal) / square);
+    let u = 1.0 - v - w;
+    let sliver = square <= SLIVER * (ab.length_squared() * ac.length_squared());
+    let mut best = (a, f64::INFINITY);
+    if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+        let point = a + ab * v + ac * w;
+        best = (point, (point - p).length_squared());
+        if !sliver {
+            return best;
+        }
+    }
+    for (weight, from, edge) in [(u, b, c - b), (v, a, ac), (w, a, ab)] {
+        if weight < 0.0 || sliver {
+            let along = ((p - from).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+            let point = from + edge * along;
+            let distance_squared = (point - p).length_squared();
+            if distance_squared < best.1 {
+                best = (point, distance_squared);
+            }
+        }
+    }
+    best
+}
+
+/// Where a ray meets a triangle: `t > 0` and the weights of the corners (Moller and Trumbore 1997).
+fn hit_triangle(&[a, b, c]: &Corners, origin: DVec3, direction: DVec3) -> Option<(f64, [f64; 3])> {
+    let (ab, ac, ao) = (b - a, c - a, origin - a);
+    let normal = ab.cross(ac);
+    let facing = -direction.dot(normal);
+    if facing == 0.0 {
+        return None;
+    }
+    let turned = ao.cross(direction);
+    let (t, v, w) = (ao.dot(normal) / facing, ac.dot(turned) / facing, -ab.dot(turned) / facing);
+    // A hair of overlap, so that no ray slips between two triangles.
+    let edge = -1e-12;
+    (v >= edge && w >= edge && v + w <= 1.0 - edge && t > 0.0).then_some((t, [1.0 - v - w, v, w]))
+}

@@ -1,0 +1,51 @@
+//! Why a measurement or a picture could not be made: one enum, each variant naming the argument at fault.
+
+/// Why a measurement or a picture could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum QualityError {
+    /// A mesh has no triangle with an area, so there is no surface to measure.
+    #[error("the {which} mesh has no surface: none of its {triangles} triangles has an area")]
+    NoSurface {
+        /// "first" or "second", in the order of the arguments.
+        which: &'static str,
+        /// How many triangles it has.
+        triangles: usize,
+    },
+    /// A measurement was asked for with no samples, or more than can be numbered.
+    #[error("{samples} samples were asked for, which is not 1 to {limit}")]
+    Samples {
+        /// How many were asked for.
+        samples: usize,
+        /// The most that are supported.
+        limit: usize,
+    },
+    /// A picture without pixels, or with more than are supported on a side.
+    #[error("a picture of {width} by {height} pixels is not 1 to {limit} on each side")]
+    PictureSize {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// Most pixels on a side.
+        limit: usize,
+    },
+    /// A camera's numbers do not make a view.
+    #[error("the camera's {what} is not usable: {why}")]
+    Camera {
+        /// The field at fault.
+        what: &'static str,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// A list of colours or scalars does not have one entry per vertex or per triangle, as it should.
+    #[error("{found} colours were given where the mesh has {expected} {what}")]
+    ColourCount {
+        /// "vertices" or "triangles".
+        what: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+}

@@ -1,0 +1,66 @@
+//! Normals to shade with: per corner of every triangle, smooth across gentle edges and apart across creases.
+
+use glam::Vec3;
+
+use crate::mesh::{Mesh, Topology, names};
+
+/// Cosine of the angle between two triangles' normals beyond which an edge is a crease: 45 degrees.
+const CREASE: f32 = std::f32::consts::FRAC_1_SQRT_2;
+/// Corners around a point beyond which creases are not looked for: their number grows with the square.
+const CROWDED: usize = 64;
+
+/// Unit normals, or zero where there is none, three to a triangle. The mesh's own normals where it has them; else the
+/// mean of the triangles around each point, by area, less those across a crease. O(n).
+pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
+    if let Some(own) = mesh.attribute(names::NORMAL).filter(|a| a.width() == 3).and_then(|a| a.as_floats()) {
+        let normal = |v: u32| Vec3::from_slice(&own[3 * v as usize..3 * v as usize + 3]).normalize_or_zero();
+        return mesh.indices().iter().map(|&v| normal(v)).collect();
+    }
+    let faces = face_normals(mesh);
+    let topology = Topology::new(mesh);
+    let point_of = |corner: usize| topology.point_of()[mesh.indices()[corner] as usize] as usize;
+
+    // Corners by point: count, sum up, fill.
+    let mut start = vec![0u32; topology.point_count() + 1];
+    (0..mesh.indices().len()).for_each(|corner| start[point_of(corner) + 1] += 1);
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut next = start.clone();
+    let mut corners = vec![0u32; mesh.indices().len()];
+    for corner in 0..corners.len() {
+        let slot = &mut next[point_of(corner)];
+        corners[*slot as usize] = corner as u32;
+        *slot += 1;
+    }
+
+    (0..corners.len())
+        .map(|corner| {
+            let point = point_of(corner);
+            let around = &corners[start[point] as usize..start[point + 1] as usize];
+            let (own, area) = faces[corner / 3];
+            if around.len() > CROWDED {
+                return own;
+            }
+            let smooth = |&other: &u32| {
+                let (normal, area) = faces[other as usize / 3];
+                if normal.dot(own) >= CREASE { normal * area } else { Vec3::ZERO }
+            };
+            (around.iter().map(smooth).sum::<Vec3>() / area.max(f32::MIN_POSITIVE)).normalize_or(own)
+        })
+        .collect()
+}
+
+/// Unit normal and area of every triangle, in squares of the mesh's size; zero for those without an area.
+fn face_normals(mesh: &Mesh) -> Vec<(Vec3, f32)> {
+    let unit = mesh.diagonal().max(f64::MIN_POSITIVE);
+    let position = |v: u32| glam::DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) / unit;
+    mesh.triangles()
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(position);
+            let normal = (b - a).cross(c - a);
+            (normal.normalize_or_zero().as_vec3(), (normal.length() * 0.5) as f32)
+        })
+        .collect()
+}

@@ -1,0 +1,135 @@
+//! What a mesh encloses, how large its surface is, and how far its triangles are from equilateral.
+//!
+//! Source: Southern, "Quality control tools for interactive rendering of 3D triangle meshes", sections 2.5 and 4.2
+//! (K_vol and K_sliver). Volume means something only where the surface is closed and agrees on what is outside; where
+//! it does not there is none, rather than a number.
+
+use glam::DVec3;
+
+use crate::mesh::{Mesh, Topology};
+
+/// Enclosed volume in cubic object units, negative where the triangles face inward.
+///
+/// `None` without triangles, and unless every edge between two positions is run through as often one way as the other:
+/// then the surface is open or inconsistently oriented, and the sum would depend on the origin. Vertices at the same
+/// position count as one. Bodies apart add up, and a cavity's surface facing into it is taken off. O(n log n).
+///
+/// ```
+/// use multires::{mesh::Mesh, quality::volume};
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let tetrahedron = Mesh::new(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
+/// assert_eq!(volume(&tetrahedron), Some(1.0 / 6.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn volume(mesh: &Mesh) -> Option<f64> {
+    let [low, high] = mesh.bounds()?.map(|p| DVec3::from_array(p.map(f64::from)));
+    if !is_closed(mesh) {
+        return None;
+    }
+    // About the middle, so that nothing cancels far from the origin.
+    let middle = low + (high - low) * 0.5;
+    let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) - middle;
+    let six = mesh.triangles().iter().map(|t| {
+        let [a, b, c] = t.map(position);
+        a.cross(b).dot(c)
+    });
+    Some(six.sum::<f64>() / 6.0)
+}
+
+/// Area of all triangles in square object units. O(n).
+pub fn area(mesh: &Mesh) -> f64 {
+    let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
+    let twice = mesh.triangles().iter().map(|t| {
+        let [a, b, c] = t.map(position);
+        (b - a).cross(c - a).length()
+    });
+    twice.sum::<f64>() * 0.5
+}
+
+/// Whether every edge between two points is run through as often one way as the other.
+fn is_closed(mesh: &Mesh) -> bool {
+    let topology = Topology::new(mesh);
+    let mut sides: Vec<(u64, bool)> = Vec::with_capacity(3 * mesh.triangles().len());
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|v| topology.point_of()[v as usize]);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            if p != q {
+                sides.push((u64::from(p.min(q)) << 32 | u64::from(p.max(q)), p < q));
+            }
+        }
+    }
+    sides.sort_unstable();
+    sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().filter(|side| side.1).count() * 2 == edge.len())
+}
+
+/// How far a mesh's triangles are from equilateral.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ShapeReport {
+    /// Triangles measured: those that have an area.
+    pub triangles: usize,
+    /// Triangles left out: those that have none.
+    pub degenerate: usize,
+    /// Mean of (sum of the edges) / (3 * shortest edge), Southern's K_sliver: 1 for equilateral triangles, above 2
+    /// poor. 0 where nothing was measured, like the rest.
+    pub sliver_mean: f64,
+    /// The largest of these ratios.
+    pub sliver_max: f64,
+    /// Mean of 4 sqrt(3) * area / (sum of squared edges): 1 for equilateral triangles, 0 for collapsed ones. Unlike
+    /// the sliver ratio it also sees caps, whose angle is near 180 degrees.
+    pub compactness_mean: f64,
+    /// The smallest of these.
+    pub compactness_min: f64,
+    /// Smallest angle of any triangle, radians.
+    pub angle_min: f64,
+    /// Largest angle of any triangle, radians.
+    pub angle_max: f64,
+}
+
+impl ShapeReport {
+    /// Measures every triangle. O(n).
+    pub fn new(mesh: &Mesh) -> Self {
+        let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
+        let mut report = Self {
+            triangles: 0,
+            degenerate: 0,
+            sliver_mean: 0.0,
+            sliver_max: 0.0,
+            compactness_mean: 0.0,
+            compactness_min: f64::INFINITY,
+            angle_min: f64::INFINITY,
+            angle_max: 0.0,
+        };
+        for triangle in mesh.triangles() {
+            let [a, b, c] = triangle.map(position);
+            let normal = (b - a).cross(c - a);
+            if normal == DVec3::ZERO {
+                report.degenerate += 1;
+                continue;
+            }
+            let edges = [b - a, c - b, a - c];
+            let lengths = edges.map(DVec3::length);
+            let shortest = lengths[0].min(lengths[1]).min(lengths[2]);
+            let sliver = lengths.iter().sum::<f64>() / (3.0 * shortest);
+            let squares: f64 = edges.iter().map(|e| e.length_squared()).sum();
+            let compactness = 2.0 * 3f64.sqrt() * normal.length() / squares;
+            report.triangles += 1;
+            report.sliver_mean += sliver;
+            report.sliver_max = report.sliver_max.max(sliver);
+            report.compactness_mean += compactness;
+            report.compactness_min = report.compactness_min.min(compactness);
+            for (out, back) in [(edges[0], -edges[2]), (edges[1], -edges[0]), (edges[2], -edges[1])] {
+                let angle = normal.length().atan2(out.dot(back));
+                report.angle_min = report.angle_min.min(angle);
+                report.angle_max = report.angle_max.max(angle);
+            }
+        }
+        if report.triangles == 0 {
+            return Self { compactness_min: 0.0, angle_min: 0.0, ..report };
+        }
+        report.sliver_mean /= report.triangles as f64;
+        report.compactness_mean /= report.triangles as f64;
+        report
+    }
+}

@@ -1,0 +1,231 @@
+//! A [`CollapseSequence`] from somebody else's simplifier: substitutions in, every table worked out and checked.
+//!
+//! ```text
+//!     step 0: 7 -> 3          step 1: 4 -> 2, 9 -> 8 (both wedges of a seam)          step 2: ...
+//! ```
+
+use crate::mesh::{MAX_ELEMENTS, Mesh, NONE, Topology};
+
+use super::lineage::Lineage;
+use super::report::{SimplifyReport, StopReason};
+use super::{CollapseSequence, NewVertex};
+
+/// What is wrong with a sequence of collapses, or with the mesh it is put to.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SequenceError {
+    /// The sequence was made from another mesh, or its tables do not fit together.
+    #[error("the sequence has {found} {what} where {expected} are needed")]
+    Mismatch {
+        /// What was counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A step ends before it starts.
+    #[error("step {step} ends before it starts")]
+    StepOrder {
+        /// Index of the step.
+        step: usize,
+    },
+    /// A batch ends before the one before it, or beyond the last step.
+    #[error("batch {batch} ends before it starts, or after the last step")]
+    BatchOrder {
+        /// Index of the batch.
+        batch: usize,
+    },
+    /// A step names a vertex that does not exist.
+    #[error("step {step} names vertex {vertex}, but there are {vertices}")]
+    VertexOutOfRange {
+        /// Index of the step.
+        step: usize,
+        /// The vertex.
+        vertex: u32,
+        /// How many vertices there are, new ones included.
+        vertices: usize,
+    },
+    /// A step substitutes a vertex, or puts one in another's place, that is not there: substituted earlier, folded into
+    /// its duplicate, or not made yet.
+    #[error("step {step} names vertex {vertex}, which is not in the mesh at that time")]
+    NotLive {
+        /// Index of the step.
+        step: usize,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A step substitutes a vertex by itself.
+    #[error("step {step} substitutes vertex {vertex} by itself")]
+    SelfSubstitution {
+        /// Index of the step.
+        step: usize,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// An error bound is negative or not finite, or accumulated bounds decrease.
+    #[error("step {step} has the error bound {error}, which is negative, not finite or below an earlier one")]
+    BadError {
+        /// Index of the step.
+        step: usize,
+        /// The bound as given.
+        error: f32,
+    },
+    /// A new vertex lies at a non-finite position, blends with a weight outside 0 to 1, or blends vertices that are not
+    /// numbered below it.
+    #[error("new vertex {new} has a position that is not finite, a weight outside 0 to 1, or a later source")]
+    BadNewVertex {
+        /// Index among the new vertices.
+        new: usize,
+    },
+    /// More steps or substitutions than can be numbered.
+    #[error("there are more than {limit} substitutions")]
+    TooMany {
+        /// How many are supported.
+        limit: usize,
+    },
+}
+
+impl CollapseSequence {
+    /// A sequence with endpoint placement from your own simplifier: per step the substitutions `[from, to]` of input
+    /// vertices and an error bound in object units (finite, not negative; a bound for the changed region, see
+    /// [`CollapseSequence::step_error`]).
+    ///
+    /// A step at a seam lists one substitution per wedge, so that a structure never shows half of it. Vertices equal in
+    /// position and all attributes are folded into the lowest of them first ([`CollapseSequence::aliases`]); a
+    /// substitution may name any of them, and one that says the same again is dropped. Within a step the substitutions
+    /// take effect one after another. Any vertex may be put in any other's place.
+    ///
+    /// The report says [`StopReason::NothingLegal`] without refusals. O((vertices + triangles) log vertices).
+    ///
+    /// # Errors
+    /// The first substitution of or by a vertex that is not in the mesh at that time, or the first bad error bound.
+    pub fn from_substitutions<S: AsRef<[[u32; 2]]>>(
+        mesh: &Mesh,
+        steps: impl IntoIterator<Item = (S, f32)>,
+    ) -> Result<Self, SequenceError> {
+        Self::from_collapses(mesh, &[], steps)
+    }
+
+    /// The same for any placement: `new_vertices[i]` is numbered `mesh.positions().len() + i` and comes to be with the
+    /// first substitution that names it as a target.
+    ///
+    /// # Errors
+    /// As [`CollapseSequence::from_substitutions`], or the first bad new vertex.
+    pub fn from_collapses<S: AsRef<[[u32; 2]]>>(
+        mesh: &Mesh,
+        new_vertices: &[NewVertex],
+        steps: impl IntoIterator<Item = (S, f32)>,
+    ) -> Result<Self, SequenceError> {
+        let inputs = mesh.positions().len();
+        for (new, vertex) in new_vertices.iter().enumerate() {
+            let blends = vertex.from.iter().all(|&v| (v as usize) < inputs + new);
+            if !blends
+                || !(0.0..=1.0).contains(&vertex.weight)
+                || !vertex.position.iter().all(|x| x.is_finite())
+            {
+                return Err(SequenceError::BadNewVertex { new });
+            }
+        }
+        let topology = Topology::new(mesh);
+        let wedge_of = topology.wedge_of();
+        let mut sequence = Self {
+            input_vertices: inputs as u32,
+            new_vertices: new_vertices.to_vec(),
+            aliases: (0..inputs as u32).map(|v| [v, wedge_of[v as usize]]).filter(|[v, w]| v != w).collect(),
+            substitutions: Vec::new(),
+            step_start: vec![0],
+            step_error: Vec::new(),
+            max_error: Vec::new(),
+            triangles_after: Vec::new(),
+            triangle_end: vec![0; mesh.triangles().len()],
+            batch_end: Vec::new(),
+            report: SimplifyReport {
+                stop: StopReason::NothingLegal,
+                steps: 0,
+                triangles: 0,
+                vertices: 0,
+                error: 0.0,
+                refusals: Vec::new(),
+            },
+        };
+        let mut place = vec![NONE; inputs];
+        for (substitutions, error) in steps {
+            sequence.push_step(substitutions.as_ref(), error, wedge_of, &mut place)?;
+        }
+        sequence.finish(mesh)
+    }
+
+    /// Appends a step; `place` holds for every input vertex where its substitution stands.
+    fn push_step(
+        &mut self,
+        given: &[[u32; 2]],
+        error: f32,
+        wedge_of: &[u32],
+        place: &mut [u32],
+    ) -> Result<(), SequenceError> {
+        let step = self.step_error.len();
+        if !(error >= 0.0 && error.is_finite()) {
+            return Err(SequenceError::BadError { step, error });
+        }
+        let start = *self.step_start.last().unwrap_or(&0);
+        for &[from, to] in given {
+            if from == to {
+                return Err(SequenceError::SelfSubstitution { step, vertex: from });
+            }
+            // New vertices are no input vertex's duplicate; what is out of range is refused when all is checked.
+            let [a, b] = [from, to].map(|v| wedge_of.get(v as usize).copied().unwrap_or(v));
+            let before = place.get(a as usize).copied().filter(|&at| at != NONE && at >= start);
+            let said = before.is_some_and(|at| self.substitutions[at as usize] == [a, b]);
+            if a != b && !said {
+                if let Some(place) = place.get_mut(a as usize) {
+                    *place = self.substitutions.len() as u32;
+                }
+                self.substitutions.push([a, b]);
+            }
+        }
+        if self.substitutions.len() > 2 * MAX_ELEMENTS || step >= MAX_ELEMENTS {
+            return Err(SequenceError::TooMany { limit: MAX_ELEMENTS });
+        }
+        self.step_start.push(self.substitutions.len() as u32);
+        self.step_error.push(error);
+        self.max_error.push(self.max_error.last().map_or(error, |&before| before.max(error)));
+        Ok(())
+    }
+
+    /// Works out when triangles vanish, and what is left.
+    fn finish(mut self, mesh: &Mesh) -> Result<Self, SequenceError> {
+        let lineage = Lineage::new(mesh, &self)?;
+        self.triangle_end = mesh.triangles().iter().map(|&t| lineage.end(t)).collect();
+
+        let steps = self.step_error.len();
+        let mut left = vec![0u32; steps + 1];
+        let mut base = 0;
+        for &end in &self.triangle_end {
+            match end {
+                0 => {}
+                NONE => base += 1,
+                // Alive after 0 to end - 1 steps.
+                end => left[end as usize - 1] += 1,
+            }
+        }
+        let mut alive = base;
+        for count in left.iter_mut().rev() {
+            alive += *count;
+            *count = alive;
+        }
+        self.triangles_after = left;
+        self.batch_end = vec![steps as u32];
+
+        let to = self.representatives(steps);
+        let mut used = vec![false; to.len()];
+        for (corners, _) in mesh.triangles().iter().zip(&self.triangle_end).filter(|&(_, &end)| end == NONE) {
+            corners.iter().for_each(|&v| used[to[v as usize] as usize] = true);
+        }
+        self.report.steps = steps;
+        self.report.triangles = base as usize;
+        self.report.vertices = used.iter().filter(|&&u| u).count();
+        self.report.error = self.error_after(steps);
+        Ok(self)
+    }
+}

@@ -1,0 +1,190 @@
+//! From a collapse sequence to the total order: number vertices by reverse removal, sort triangles by when they vanish.
+
+use crate::error::MeshError;
+use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+use crate::simplify::CollapseSequence;
+use crate::simplify::lineage::Lineage;
+
+use super::{ErrorMark, TomError, TotallyOrderedMesh};
+
+/// Most error marks of a mesh.
+pub(super) const MOST_MARKS: usize = 1024;
+/// Vertices between error marks, unless that makes them too few or too many.
+const MARK_STRIDE: usize = 128;
+/// Error marks that a small mesh gets all the same.
+const FEW_MARKS: usize = 16;
+
+/// A totally ordered mesh and how its order relates to the input's.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TomBuild {
+    /// The structure.
+    pub tom: TotallyOrderedMesh,
+    /// The input vertex at every place of the new order, a permutation of all input vertices. The structure refers to
+    /// the first [`TotallyOrderedMesh::vertex_count`] only; then come duplicates (equal to an earlier one in position
+    /// and all attributes), then vertices that no triangle uses. Those need not be uploaded.
+    pub vertex_order: Vec<u32>,
+    /// The input triangle at every place of the new order; degenerate ones are not among them.
+    pub triangle_order: Vec<u32>,
+}
+
+impl TomBuild {
+    /// Values of the input's vertices, one each, in the new order. Only a prefix of them is ever drawn: see
+    /// [`TomBuild::vertex_order`].
+    ///
+    /// # Errors
+    /// As many values as input vertices are needed.
+    pub fn arrange<V: Clone>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
+        self.check("values", values.len(), self.vertex_order.len())?;
+        Ok(self.vertex_order.iter().map(|&v| values[v as usize].clone()).collect())
+    }
+
+    /// The input as a mesh in the new order: positions, attributes and locks of all vertices, and triangles and
+    /// materials of the full resolution.
+    ///
+    /// # Errors
+    /// The mesh has another number of vertices or triangles than the one that this was built from.
+    pub fn arrange_mesh(&self, mesh: &Mesh) -> Result<Mesh, TomError> {
+        let positions = self.arrange(mesh.positions())?;
+        let least = self.triangle_order.iter().max().map_or(0, |&t| t as usize + 1);
+        if mesh.triangles().len() < least {
+            self.check("triangles", mesh.triangles().len(), least)?;
+        }
+        let locks = if mesh.locks().is_empty() { Vec::new() } else { self.arrange(mesh.locks())? };
+        let attributes = mesh.attributes().iter().map(|a| {
+            let (width, order) = (a.width(), &self.vertex_order);
+            let values = match a.values() {
+                AttributeValues::Float(v) => AttributeValues::Float(gather(v, width, order)),
+                AttributeValues::Int(v) => AttributeValues::Int(gather(v, width, order)),
+                AttributeValues::Uint(v) => AttributeValues::Uint(gather(v, width, order)),
+            };
+            Attribute::new(a.name(), width, values)
+        });
+        let materials = match mesh.materials() {
+            [] => Vec::new(),
+            ids => gather(ids, 1, &self.triangle_order),
+        };
+        Ok(Mesh::from_trusted(
+            positions,
+            self.tom.triangles.clone(),
+            attributes.collect(),
+            materials,
+            mesh.material_names().to_vec(),
+            locks,
+        ))
+    }
+
+    fn check(&self, what: &str, found: usize, expected: usize) -> Result<(), TomError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(MeshError::LengthMismatch { what: what.to_owned(), found, expected }.into())
+    }
+}
+
+impl TotallyOrderedMesh {
+    /// Builds the structure from a mesh and a simplification of it by endpoint placement.
+    ///
+    /// Base vertices keep the input's order, as do the triangles that vanish in one step; degenerate triangles are left
+    /// out and duplicates folded. O((vertices + triangles) log vertices).
+    ///
+    /// # Errors
+    /// The sequence makes new vertices, belongs to another mesh, or does not hold together.
+    pub fn build(mesh: &Mesh, sequence: &CollapseSequence) -> Result<TomBuild, TomError> {
+        if !sequence.new_vertices().is_empty() {
+            return Err(TomError::NewVertices { count: sequence.new_vertices().len() });
+        }
+        let lineage = Lineage::new(mesh, sequence)?;
+        let base_vertices = lineage.roots;
+        let removed = &lineage.removed[..lineage.real as usize];
+        let mut joined = vec![0u64; removed.len().div_ceil(64)];
+        for v in base_vertices as usize + 1..removed.len() {
+            joined[v / 64] |= u64::from(removed[v] == removed[v - 1]) << (v % 64);
+        }
+        if joined.iter().all(|&word| word == 0) {
+            joined = Vec::new();
+        }
+
+        let ends: Vec<u32> = mesh.triangles().iter().map(|&t| lineage.end(t)).collect();
+        let (triangle_order, left) = sort_by_end(&ends, sequence.len());
+        let triangles =
+            triangle_order.iter().map(|&t| mesh.triangles()[t as usize].map(|v| lineage.folded(v))).collect();
+
+        let (mut material_of, mut material_ids) = (Vec::new(), Vec::new());
+        if !mesh.materials().is_empty() {
+            let of: Vec<u32> = triangle_order.iter().map(|&t| mesh.materials()[t as usize]).collect();
+            material_ids.clone_from(&of);
+            material_ids.sort_unstable();
+            material_ids.dedup();
+            if material_ids.len() > 1 {
+                // Every id is in the list, so either answer is its place.
+                let place = |id| material_ids.binary_search(id).unwrap_or_else(|at| at) as u32;
+                material_of = of.iter().map(place).collect();
+            }
+        }
+
+        let mut tom = Self {
+            substitute: (0..lineage.real).map(|v| lineage.parent(v)).collect(),
+            joined,
+            base_vertices,
+            triangles,
+            error_marks: Vec::new(),
+            material_of,
+            material_ids,
+        };
+        tom.error_marks = error_marks(&lineage, sequence);
+        debug_assert_eq!(tom.validate(), Ok(()));
+        debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
+        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order })
+    }
+}
+
+/// The triangles that are not degenerate, last vanishing first, in input order where they vanish together; and how many
+/// never vanish.
+fn sort_by_end(ends: &[u32], steps: usize) -> (Vec<u32>, u32) {
+    let bucket = |end: u32| if end == NONE { 0 } else { steps + 1 - end as usize };
+    let mut start = vec![0u32; steps + 2];
+    for &end in ends.iter().filter(|&&end| end != 0) {
+        start[bucket(end) + 1] += 1;
+    }
+    for b in 1..start.len() {
+        start[b] += start[b - 1];
+    }
+    let base = start[1];
+    let mut order = vec![0; start.last().map_or(0, |&n| n as usize)];
+    for (t, &end) in ends.iter().enumerate().filter(|&(_, &end)| end != 0) {
+        let place = &mut start[bucket(end)];
+        order[*place as usize] = t as u32;
+        *place += 1;
+    }
+    (order, base)
+}
+
+/// Error bounds at group boundaries, base first. A mark's bound holds for all finer resolutions since bounds fall.
+fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark> {
+    let (base, real) = (lineage.roots as usize, lineage.real as usize);
+    let span = real - base;
+    let stride = MARK_STRIDE.min(span.div_ceil(FEW_MARKS)).max(span.div_ceil(MOST_MARKS - 1)).max(1);
+    let mut marks: Vec<ErrorMark> = Vec::new();
+    let mut next = base;
+    // The boundary below vertex v is the level just after the step that removes v.
+    for v in base..real {
+        let removed = lineage.removed[v];
+        let first = v == base || removed != lineage.removed[v - 1];
+        if first && v >= next {
+            marks.push(ErrorMark { vertices: v as u32, error: sequence.error_after(removed as usize) });
+            next = v + stride;
+        }
+    }
+    if marks.is_empty() && real > 0 {
+        marks.push(ErrorMark { vertices: base as u32, error: 0.0 });
+    }
+    marks
+}
+
+fn gather<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
+    if width == 1 {
+        return order.iter().map(|&i| values[i as usize]).collect();
+    }
+    order.iter().flat_map(|&i| &values[i as usize * width..(i as usize + 1) * width]).copied().collect()
+}

@@ -1,0 +1,184 @@
+//! One drawn instance: an index buffer that moves between resolutions for the cost of what differs.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{MaterialRange, Resolution, TomSteps};
+
+/// Indices per bit of the dirty map, as a shift: 64 indices, 256 bytes.
+const DIRTY_SHIFT: u32 = 6;
+/// Most dirty ranges handed out at once.
+const MOST_RANGES: usize = 32;
+
+/// What one move of a cursor did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Change {
+    /// Where it was.
+    pub from: Resolution,
+    /// Where it is.
+    pub to: Resolution,
+    /// Indices written, those written several times counted as often.
+    pub written: usize,
+}
+
+/// One drawn instance of a totally ordered mesh: owns its index buffer.
+///
+/// 12 bytes a triangle of the full resolution, plus one bit per 64 indices. Allocates when it is made and never after.
+///
+/// ```text
+///     buffer   | drawn: indices() ............ | not drawn: waits for finer resolutions |
+/// ```
+///
+/// Keep a copy of [`TomCursor::buffer`] on the GPU: write the ranges that [`TomCursor::take_dirty`] names, draw
+/// [`TomCursor::ranges`]. Triangles that come back need no upload, they are there.
+#[derive(Debug, Clone)]
+pub struct TomCursor {
+    steps: Arc<TomSteps>,
+    buffer: Vec<u32>,
+    ranges: Vec<MaterialRange>,
+    resolution: Resolution,
+    dirty_map: Vec<u64>,
+    dirty: Vec<Range<usize>>,
+}
+
+impl TomCursor {
+    /// A cursor at full resolution, all of it dirty.
+    pub fn new(steps: Arc<TomSteps>) -> Self {
+        let tom = steps.tom();
+        let mut buffer = vec![0; 3 * tom.triangle_count()];
+        let mut ranges = steps.empty_ranges().to_vec();
+        for (t, corners) in tom.triangles().iter().enumerate() {
+            let place = 3 * steps.place(t as u32) as usize;
+            buffer[place..place + 3].copy_from_slice(corners);
+            ranges[steps.range_of(t as u32)].count += 3;
+        }
+        let bits = buffer.len().div_ceil(1 << DIRTY_SHIFT);
+        let mut dirty_map = vec![u64::MAX; bits.div_ceil(64)];
+        if let (Some(last), used @ 1..) = (dirty_map.last_mut(), bits % 64) {
+            *last = (1 << used) - 1;
+        }
+        let resolution = tom.finest();
+        Self { steps, buffer, ranges, resolution, dirty_map, dirty: Vec::with_capacity(MOST_RANGES + 1) }
+    }
+
+    /// The mesh and the table this moves by.
+    pub fn steps(&self) -> &Arc<TomSteps> {
+        &self.steps
+    }
+
+    /// Where it is.
+    pub fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// The indices to draw, equal to what [`fill_indices`](super::TotallyOrderedMesh::fill_indices) gives. With
+    /// [`TomSteps::by_material`] the stretches of the materials have gaps between them: draw [`TomCursor::ranges`]
+    /// instead.
+    pub fn indices(&self) -> &[u32] {
+        let end = self.ranges.iter().map(|r| r.start + r.count).max().unwrap_or(0);
+        &self.buffer[..end as usize]
+    }
+
+    /// The whole buffer, undrawn triangles included: what the GPU's copy holds.
+    pub fn buffer(&self) -> &[u32] {
+        &self.buffer
+    }
+
+    /// What to draw: one range of [`TomCursor::buffer`] per material, or a single one. Empty ones are included.
+    pub fn ranges(&self) -> &[MaterialRange] {
+        &self.ranges
+    }
+
+    /// Bytes of this cursor's own arrays.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.buffer[..])
+            + size_of_val(&self.ranges[..])
+            + size_of_val(&self.dirty_map[..])
+            + self.dirty.capacity() * size_of::<Range<usize>>()
+    }
+
+    /// Moves to a resolution of this mesh. O(corners that the steps between rewrite), about 4 a vertex between, plus
+    /// one walk as in [`at`](super::TotallyOrderedMesh::at).
+    pub fn seek(&mut self, resolution: Resolution) -> Change {
+        let steps = Arc::clone(&self.steps);
+        let tom = steps.tom();
+        let from = self.resolution;
+        // Whole groups, whatever mesh the resolution was made for.
+        let to = tom.resolution(tom.boundary_at_most(tom.clamp(resolution).vertices));
+        let mut written = 0;
+
+        for vertex in from.vertices..to.vertices {
+            written += self.write(steps.moves(vertex), vertex);
+        }
+        let mut active = from.vertices;
+        while active > to.vertices {
+            let first = tom.boundary_at_most(active - 1);
+            for vertex in first..active {
+                written += self.write(steps.moves(vertex), tom.resolve(vertex, first));
+            }
+            active = first;
+        }
+
+        for triangle in from.triangles..to.triangles {
+            self.ranges[steps.range_of(triangle)].count += 3;
+        }
+        for triangle in to.triangles..from.triangles {
+            self.ranges[steps.range_of(triangle)].count -= 3;
+        }
+        self.resolution = to;
+        Change { from, to, written }
+    }
+
+    /// The ranges of [`TomCursor::buffer`] written since the last call, ascending, apart, at most 32: nearby ones are
+    /// merged, so they cover some unchanged indices. All of it after [`TomCursor::new`].
+    pub fn take_dirty(&mut self) -> &[Range<usize>] {
+        let bits = self.dirty_map.len() * 64;
+        // Merge over larger and larger gaps until the ranges are few.
+        let mut gap = 4;
+        loop {
+            self.dirty.clear();
+            let mut run: Option<Range<usize>> = None;
+            for bit in set_bits(&self.dirty_map) {
+                match &mut run {
+                    Some(run) if bit <= run.end + gap => run.end = bit + 1,
+                    _ => self.dirty.extend(run.replace(bit..bit + 1)),
+                }
+                if self.dirty.len() >= MOST_RANGES {
+                    break;
+                }
+            }
+            self.dirty.extend(run);
+            if self.dirty.len() <= MOST_RANGES || gap >= bits {
+                break;
+            }
+            gap *= 2;
+        }
+        for range in &mut self.dirty {
+            *range = range.start << DIRTY_SHIFT..(range.end << DIRTY_SHIFT).min(self.buffer.len());
+        }
+        self.dirty_map.fill(0);
+        &self.dirty
+    }
+
+    fn write(&mut self, places: &[u32], vertex: u32) -> usize {
+        for &place in places {
+            self.buffer[place as usize] = vertex;
+            let bit = place >> DIRTY_SHIFT;
+            self.dirty_map[(bit / 64) as usize] |= 1 << (bit % 64);
+        }
+        places.len()
+    }
+}
+
+/// The set bits, ascending.
+fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().filter(|&(_, &word)| word != 0).flat_map(|(i, &word)| {
+        let mut rest = word;
+        std::iter::from_fn(move || {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest.wrapping_sub(1);
+            (bit < 64).then_some(64 * i + bit)
+        })
+    })
+}

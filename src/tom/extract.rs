@@ -1,0 +1,180 @@
+//! The indices of a resolution: copy the first triangles, then replace what is not active.
+//!
+//! At full resolution that is a copy. Below it, corners need a different number of hops each, and a loop per corner would
+//! spend its time on mispredicted branches. There are two ways round that:
+//!
+//! - A table of what stands for every vertex. Substitutes come before what they stand for, so one pass in order fills it
+//!   with one load a vertex, and corners are then looked up. Best where there are corners enough to pay for it.
+//! - For coarse resolutions, corners in lanes of eight, each making some hops as a conditional move, then hops in lanes
+//!   until all eight are there.
+
+use super::{Resolution, TotallyOrderedMesh};
+use crate::mesh::NONE;
+
+/// Corners that hop together.
+const LANES: usize = 8;
+/// Hops that all lanes make before it is asked whether they are there.
+const HOPS: usize = 3;
+
+/// Where the triangles of one material lie in a filled index buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct MaterialRange {
+    /// The material id; `u32::MAX` where the triangles are not told apart by material.
+    pub material: u32,
+    /// First index in the buffer.
+    pub start: u32,
+    /// Number of indices from there, three per triangle.
+    pub count: u32,
+}
+
+impl TotallyOrderedMesh {
+    /// The number of indices that a resolution takes.
+    pub fn index_count(&self, resolution: Resolution) -> usize {
+        3 * self.clamp(resolution).triangles()
+    }
+
+    /// Fills `out` with the indices of a resolution, replacing what it held. No index reaches
+    /// [`Resolution::vertices`].
+    ///
+    /// O(output + vertices) for at least a quarter as many indices as vertices, else O(output times the mean number of hops,
+    /// [`TotallyOrderedMesh::traversal_overhead`]). The room behind the indices serves as a table: allocates only where
+    /// `out` has a capacity below indices plus vertices.
+    pub fn fill_indices(&self, resolution: Resolution, out: &mut Vec<u32>) {
+        let resolution = self.clamp(resolution);
+        out.clear();
+        out.extend_from_slice(self.stored(resolution));
+        self.substitute_in(resolution.vertices, out);
+    }
+
+    /// Writes the indices of a resolution to the front of `out`, as many whole triangles as fit, and returns how many
+    /// indices that were; [`TotallyOrderedMesh::index_count`] says how many there are.
+    pub fn write_indices(&self, resolution: Resolution, out: &mut [u32]) -> usize {
+        let resolution = self.clamp(resolution);
+        let stored = self.stored(resolution);
+        let count = stored.len().min(out.len() / 3 * 3);
+        out[..count].copy_from_slice(&stored[..count]);
+        substitute_lanes(&self.substitute, resolution.vertices, &mut out[..count]);
+        count
+    }
+
+    /// Fills `out` with the indices of a resolution sorted by material, and `ranges` with one entry per material of
+    /// [`TotallyOrderedMesh::material_ids`], in that order (empty ones included): one drawing call each. Within a
+    /// material the order is that of [`TotallyOrderedMesh::fill_indices`]. A mesh without materials has one range.
+    pub fn fill_by_material(
+        &self,
+        resolution: Resolution,
+        out: &mut Vec<u32>,
+        ranges: &mut Vec<MaterialRange>,
+    ) {
+        ranges.clear();
+        if self.material_of.is_empty() {
+            self.fill_indices(resolution, out);
+            let material = self.material_ids.first().copied().unwrap_or(NONE);
+            ranges.push(MaterialRange { material, start: 0, count: out.len() as u32 });
+            return;
+        }
+        let resolution = self.clamp(resolution);
+        let drawn = &self.triangles[..resolution.triangles()];
+        ranges.extend(self.material_ids.iter().map(|&material| MaterialRange {
+            material,
+            start: 0,
+            count: 0,
+        }));
+        for &m in &self.material_of[..drawn.len()] {
+            ranges[m as usize].count += 3;
+        }
+        let mut start = 0;
+        for range in ranges.iter_mut() {
+            range.start = start;
+            start += std::mem::take(&mut range.count);
+        }
+        out.clear();
+        out.resize(3 * drawn.len(), 0);
+        for (corners, &m) in drawn.iter().zip(&self.material_of) {
+            let range = &mut ranges[m as usize];
+            let place = (range.start + range.count) as usize;
+            out[place..place + 3].copy_from_slice(corners);
+            range.count += 3;
+        }
+        self.substitute_in(resolution.vertices, out);
+    }
+
+    /// Hops along substitution chains per corner drawn: the extra vertices that extraction visits (TOM, figure 6). 0 at
+    /// full resolution. O(what it counts).
+    pub fn traversal_overhead(&self, resolution: Resolution) -> f64 {
+        let resolution = self.clamp(resolution);
+        let stored = self.stored(resolution);
+        let mut hops = 0u64;
+        for &corner in stored {
+            let mut v = corner;
+            while v >= resolution.vertices {
+                v = self.substitute[v as usize];
+                hops += 1;
+            }
+        }
+        if stored.is_empty() { 0.0 } else { hops as f64 / stored.len() as f64 }
+    }
+
+    fn stored(&self, resolution: Resolution) -> &[u32] {
+        self.triangles[..resolution.triangles()].as_flattened()
+    }
+
+    /// Replaces every corner by the active vertex that stands for it.
+    fn substitute_in(&self, active: u32, corners: &mut Vec<u32>) {
+        let vertices = self.substitute.len();
+        if active as usize == vertices {
+            return;
+        }
+        // A table entry costs about a quarter of a coarse corner's hops.
+        if corners.len() < vertices / 4 {
+            return substitute_lanes(&self.substitute, active, corners);
+        }
+        let count = corners.len();
+        corners.extend(0..active);
+        corners.extend_from_slice(&self.substitute[active as usize..]);
+        let (indices, table) = corners.split_at_mut(count);
+        for v in active as usize..table.len() {
+            table[v] = table[table[v] as usize];
+        }
+        for index in indices {
+            *index = table[*index as usize];
+        }
+        corners.truncate(count);
+    }
+}
+
+/// `active` is at least the base, where chains end.
+fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
+    let mut chunks = corners.chunks_exact_mut(LANES);
+    for corners in &mut chunks {
+        let mut lanes = [0; LANES];
+        lanes.copy_from_slice(corners);
+        for _ in 0..HOPS {
+            hop(substitute, active, &mut lanes);
+        }
+        while lanes.iter().fold(false, |any, &v| any | (v >= active)) {
+            hop(substitute, active, &mut lanes);
+        }
+        corners.copy_from_slice(&lanes);
+    }
+    for corner in chunks.into_remainder() {
+        while *corner >= active {
+            *corner = substitute[*corner as usize];
+        }
+    }
+}
+
+/// One hop for each lane that is not there yet. All lanes load before any chooses: written so, and with indices, the
+/// choice compiles to conditional moves; with iterators over both at once it has been seen to compile to branches.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn hop(substitute: &[u32], active: u32, lanes: &mut [u32; LANES]) {
+    let mut next = [0; LANES];
+    for i in 0..LANES {
+        next[i] = substitute[lanes[i] as usize];
+    }
+    for i in 0..LANES {
+        lanes[i] = if lanes[i] < active { lanes[i] } else { next[i] };
+    }
+}

@@ -1,0 +1,132 @@
+//! The level of detail asked for, and the resolution that comes nearest to it.
+
+use super::TotallyOrderedMesh;
+
+/// A level of detail to ask for. What is given is the finest resolution that does not exceed it, and never less than the
+/// base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Level {
+    /// At most so many triangles.
+    Triangles(usize),
+    /// At most so many active vertices.
+    Vertices(usize),
+    /// The coarsest resolution known to err by at most this many object units. Bounds are kept for about one
+    /// resolution in 128 ([`TotallyOrderedMesh::error_marks`]), so up to that many vertices more than needed are given.
+    /// Below the finest mark's bound, and for NaN, the full resolution.
+    Error(f32),
+    /// At most this share of the triangles, 0 to 1; NaN is 0.
+    Ratio(f32),
+}
+
+/// One resolution of a totally ordered mesh: whole groups of vertices, and the triangles they span.
+///
+/// Belongs to the mesh that gave it. Another mesh takes it too, without panicking, but what it draws then may lack whole
+/// steps or show half of a seam.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Resolution {
+    pub(super) vertices: u32,
+    pub(super) triangles: u32,
+    pub(super) error: f32,
+}
+
+impl Resolution {
+    /// Active vertices: the first so many are all that is drawn.
+    pub fn vertices(&self) -> usize {
+        self.vertices as usize
+    }
+
+    /// Triangles drawn.
+    pub fn triangles(&self) -> usize {
+        self.triangles as usize
+    }
+
+    /// A bound for the error, object units; what it bounds is the simplifier's to say. 0 at full resolution.
+    pub fn error(&self) -> f32 {
+        self.error
+    }
+}
+
+impl TotallyOrderedMesh {
+    /// The full resolution.
+    pub fn finest(&self) -> Resolution {
+        self.resolution(self.substitute.len() as u32)
+    }
+
+    /// The base mesh.
+    pub fn coarsest(&self) -> Resolution {
+        self.resolution(self.base_vertices)
+    }
+
+    /// The finest resolution that does not exceed `level`, at least the base.
+    ///
+    /// Several triangles vanish together, so not every count exists: the result says which one it is. O(log triangles)
+    /// walks along substitution chains.
+    pub fn at(&self, level: Level) -> Resolution {
+        match level {
+            Level::Triangles(count) => self.at_triangles(count),
+            Level::Vertices(count) => {
+                let most = count.min(self.substitute.len());
+                self.resolution(self.boundary_at_most(most as u32))
+            }
+            Level::Error(error) => match self.error_marks.iter().find(|mark| mark.error <= error) {
+                Some(mark) => self.resolution(mark.vertices),
+                None => self.finest(),
+            },
+            Level::Ratio(ratio) => {
+                // The cast takes NaN and below to 0; beyond 1 all is drawn.
+                self.at_triangles((f64::from(ratio) * self.triangles.len() as f64) as usize)
+            }
+        }
+    }
+
+    /// The next coarser resolution: one group of vertices less. `None` at the base.
+    pub fn coarser(&self, resolution: Resolution) -> Option<Resolution> {
+        let active = self.clamp(resolution).vertices;
+        (active > self.base_vertices).then(|| self.resolution(self.boundary_at_most(active - 1)))
+    }
+
+    /// The next finer resolution: one group of vertices more. `None` at full resolution.
+    pub fn finer(&self, resolution: Resolution) -> Option<Resolution> {
+        let mut active = self.clamp(resolution).vertices;
+        if active as usize == self.substitute.len() {
+            return None;
+        }
+        active += 1;
+        while !self.is_boundary(active) {
+            active += 1;
+        }
+        Some(self.resolution(active))
+    }
+
+    fn at_triangles(&self, count: usize) -> Resolution {
+        if count >= self.triangles.len() {
+            return self.finest();
+        }
+        // The first triangle not drawn vanishes with this vertex's group; one group more would draw it.
+        match self.last_vertex(count) {
+            crate::mesh::NONE => self.coarsest(),
+            last => self.resolution(self.boundary_at_most(last)),
+        }
+    }
+
+    /// The resolution of a boundary.
+    pub(super) fn resolution(&self, vertices: u32) -> Resolution {
+        let error = if vertices as usize == self.substitute.len() {
+            0.0
+        } else {
+            let above = self.error_marks.partition_point(|mark| mark.vertices <= vertices);
+            above.checked_sub(1).map_or(f32::INFINITY, |at| self.error_marks[at].error)
+        };
+        Resolution { vertices, triangles: self.triangles_at(vertices), error }
+    }
+
+    /// Any resolution, brought into this mesh's range so that nothing it indexes is missing.
+    pub(super) fn clamp(&self, resolution: Resolution) -> Resolution {
+        Resolution {
+            vertices: resolution.vertices.clamp(self.base_vertices, self.substitute.len() as u32),
+            triangles: resolution.triangles.min(self.triangles.len() as u32),
+            ..resolution
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The corners that every step rewrites, for cursors to move by.
+//!
+//! ```text
+//!     vertex v = base, base + 1, ...    moves   the corners that hold v while it is active and take its substitute
+//!                                               when its group goes, in triangles that outlive the group
+//! ```
+//!
+//! A triangle that vanishes keeps its place at the end of the index buffer and the corners it had; when it comes back,
+//! those are the right ones. So this table is all that moving needs, it is shared by all cursors of a mesh, and a cursor
+//! is little more than its index buffer.
+
+use crate::mesh::NONE;
+
+use super::{MaterialRange, TomError, TotallyOrderedMesh};
+
+/// A totally ordered mesh with the corners that every step rewrites. Immutable; share it between [`TomCursor`]s.
+///
+/// [`TomCursor`]: super::TomCursor
+#[derive(Debug, Clone, PartialEq)]
+pub struct TomSteps {
+    tom: TotallyOrderedMesh,
+    /// Start of each vertex's moves, from the first vertex after the base; one more than those.
+    move_start: Vec<u32>,
+    /// Places in the index buffer.
+    moves: Vec<u32>,
+    /// Per triangle its place in the index buffer; empty where that is its own number.
+    place: Vec<u32>,
+    /// Where each material's triangles start, none drawn.
+    empty_ranges: Vec<MaterialRange>,
+}
+
+impl TomSteps {
+    /// For cursors whose index buffer is one range whatever the materials. O(moves), 3 to 4 a vertex.
+    ///
+    /// # Errors
+    /// The moves are more than 32 bits can number.
+    pub fn new(tom: TotallyOrderedMesh) -> Result<Self, TomError> {
+        Self::build(tom, false)
+    }
+
+    /// For cursors whose index buffer holds the triangles of each material in a stretch of its own, one drawing call
+    /// each.
+    ///
+    /// # Errors
+    /// The moves are more than 32 bits can number.
+    pub fn by_material(tom: TotallyOrderedMesh) -> Result<Self, TomError> {
+        Self::build(tom, true)
+    }
+
+    /// The mesh.
+    pub fn tom(&self) -> &TotallyOrderedMesh {
+        &self.tom
+    }
+
+    /// Bytes of the mesh's and this table's own arrays, on closed meshes about 28 a vertex for the
+    /// mesh and 16 to 20 for the table.
+    pub fn memory(&self) -> usize {
+        self.tom.memory(0)
+            + size_of_val(&self.move_start[..])
+            + size_of_val(&self.moves[..])
+            + size_of_val(&self.place[..])
+            + size_of_val(&self.empty_ranges[..])
+    }
+
+    /// The places in the index buffer that hold `vertex` when its group becomes active.
+    pub(super) fn moves(&self, vertex: u32) -> &[u32] {
+        let at = (vertex - self.tom.base_vertices) as usize;
+        &self.moves[self.move_start[at] as usize..self.move_start[at + 1] as usize]
+    }
+
+    /// The place of a triangle in the index buffer.
+    pub(super) fn place(&self, triangle: u32) -> u32 {
+        self.place.get(triangle as usize).copied().unwrap_or(triangle)
+    }
+
+    /// The range that a triangle belongs to.
+    pub(super) fn range_of(&self, triangle: u32) -> usize {
+        if self.empty_ranges.len() > 1 { self.tom.material_of[triangle as usize] as usize } else { 0 }
+    }
+
+    pub(super) fn empty_ranges(&self) -> &[MaterialRange] {
+        &self.empty_ranges
+    }
+
+    fn build(tom: TotallyOrderedMesh, by_material: bool) -> Result<Self, TomError> {
+        let (place, empty_ranges) = layout(&tom, by_material);
+        let group_first = group_firsts(&tom);
+
+        let base = tom.base_vertices;
+        let limit = u64::from(u32::MAX);
+        let mut total = 0u64;
+        let mut move_start = vec![0u32; tom.substitute.len() - base as usize + 1];
+        each_move(&tom, &group_first, |vertex, _| {
+            total += 1;
+            if total <= limit {
+                move_start[(vertex - base) as usize + 1] += 1;
+            }
+            total <= limit
+        });
+        if total > limit {
+            return Err(TomError::TooManyMoves { count: total, limit });
+        }
+        for i in 1..move_start.len() {
+            move_start[i] += move_start[i - 1];
+        }
+        let mut next = move_start.clone();
+        let mut moves = vec![0; total as usize];
+        each_move(&tom, &group_first, |vertex, corner| {
+            let slot = &mut next[(vertex - base) as usize];
+            let triangle = place.get((corner / 3) as usize).copied().unwrap_or(corner / 3);
+            moves[*slot as usize] = 3 * triangle + corner % 3;
+            *slot += 1;
+            true
+        });
+        Ok(Self { tom, move_start, moves, place, empty_ranges })
+    }
+}
+
+/// Where triangles lie in the index buffer, and the ranges of it.
+fn layout(tom: &TotallyOrderedMesh, by_material: bool) -> (Vec<u32>, Vec<MaterialRange>) {
+    if !by_material || tom.material_of.is_empty() {
+        let material = if by_material { tom.material_ids.first().copied() } else { None };
+        return (Vec::new(), vec![MaterialRange { material: material.unwrap_or(NONE), start: 0, count: 0 }]);
+    }
+    let mut next = vec![0u32; tom.material_ids.len() + 1];
+    for &m in &tom.material_of {
+        next[m as usize + 1] += 1;
+    }
+    for m in 1..next.len() {
+        next[m] += next[m - 1];
+    }
+    let ranges = tom.material_ids.iter().zip(&next);
+    let ranges =
+        ranges.map(|(&material, &first)| MaterialRange { material, start: 3 * first, count: 0 }).collect();
+    let places = tom.material_of.iter().map(|&m| {
+        let place = &mut next[m as usize];
+        *place += 1;
+        *place - 1
+    });
+    (places.collect(), ranges)
+}
+
+/// The first vertex of every vertex's group; 0 for base vertices.
+fn group_firsts(tom: &TotallyOrderedMesh) -> Vec<u32> {
+    let mut first = 0;
+    let firsts = (0..tom.substitute.len() as u32).map(|v| {
+        if v >= tom.base_vertices && !tom.is_joined(v) {
+            first = v;
+        }
+        first
+    });
+    firsts.collect()
+}
+
+/// Calls `f(vertex, corner)` for every move, by corner, until it returns false.
+fn each_move(tom: &TotallyOrderedMesh, group_first: &[u32], mut f: impl FnMut(u32, u32) -> bool) {
+    for triangle in 0..tom.triangles.len() {
+        let end = match tom.last_vertex(triangle) {
+            NONE => 0,
+            last => group_first[last as usize],
+        };
+        for (k, &corner) in tom.triangles[triangle].iter().enumerate() {
+            let mut v = corner;
+            // The triangle outlives the group that starts at `first`.
+            while group_first[v as usize] > end {
+                if !f(v, 3 * triangle as u32 + k as u32) {
+                    return;
+                }
+                let first = group_first[v as usize];
+                while v >= first {
+                    v = tom.substitute[v as usize];
+                }
+            }
+        }
+    }
+}
