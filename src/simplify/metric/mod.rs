@@ -12,6 +12,7 @@
 //! | [`LindstromTurk`] | volume, boundary and shape objectives | Lindstrom and Turk 1998 |
 //! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
 
+mod attributes;
 mod by_name;
 mod edge_length;
 mod hybrid;
@@ -26,6 +27,7 @@ mod stars;
 mod unsigned_volume;
 mod volume_area;
 
+pub use attributes::{Attributes, WithAttributes};
 pub use by_name::{NAMES, by_name};
 pub use edge_length::EdgeLength;
 pub use hybrid::Hybrid;
@@ -37,6 +39,7 @@ pub use quadric::Quadric;
 pub use unsigned_volume::UnsignedVolume;
 pub use volume_area::VolumeArea;
 
+use super::sequence::NewVertex;
 use super::surface::Surface;
 
 /// A candidate: `lost` would be merged into `kept`.
@@ -58,13 +61,30 @@ pub struct Batch {
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
+    /// Whether costs will be verified ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified)).
+    pub verified: bool,
 }
 
 impl Batch {
     /// The first batch on a surface, to ask a metric outside of a simplification.
     pub fn first(surface: &Surface) -> Self {
-        Self { index: 0, triangles: surface.live_triangles(), input_triangles: surface.triangle_count() }
+        let (triangles, input_triangles) = (surface.live_triangles(), surface.triangle_count());
+        Self { index: 0, triangles, input_triangles, verified: false }
     }
+}
+
+/// What a collapse does to vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Substitutions<'a> {
+    /// Where the merged point will lie, inner frame.
+    pub position: [f32; 3],
+    /// `[from, to]`: every vertex that goes and the one it becomes.
+    pub pairs: &'a [[u32; 2]],
+    /// The number of the first of `new_vertices`.
+    pub first_new: u32,
+    /// The vertices that this collapse makes: some of the `to`.
+    pub new_vertices: &'a [NewVertex],
 }
 
 /// What a collapse costs.
@@ -104,6 +124,20 @@ pub trait ErrorMetric: Send + Sync {
         let _ = (surface, pair);
     }
 
+    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
+    /// does to vertices: for metrics that keep something per vertex (wedge).
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        let _ = (surface, substitutions);
+    }
+
+    /// What one unit of the integral of squared distance over area (inner units) costs here: the exchange rate between
+    /// this metric and what is measured or added ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
+    /// [`WithAttributes`]). `None` where costs are no squared distances.
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        let _ = (surface, pair);
+        None
+    }
+
     /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
     /// around it stale; otherwise only those of pairs with one of the merged points.
     fn is_memoryless(&self) -> bool {
@@ -132,6 +166,13 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     }
     fn collapsed(&mut self, surface: &Surface, pair: Pair) {
         (**self).collapsed(surface, pair);
+    }
+
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        (**self).substituting(surface, substitutions);
+    }
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        (**self).cost_per_deviation(surface, pair)
     }
     fn is_memoryless(&self) -> bool {
         (**self).is_memoryless()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Batch, EdgeLength, ErrorMetric, Pair};
+use super::{Batch, EdgeLength, ErrorMetric, Pair, Substitutions};
 use crate::simplify::surface::Surface;
 
 /// A metric chosen anew for each batch.
@@ -63,6 +63,14 @@ impl ErrorMetric for PerBatch {
 
     fn collapsed(&mut self, surface: &Surface, pair: Pair) {
         self.current.collapsed(surface, pair);
+    }
+
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        self.current.substituting(surface, substitutions);
+    }
+
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        self.current.cost_per_deviation(surface, pair)
     }
 
     fn is_memoryless(&self) -> bool {
