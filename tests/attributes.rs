@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 
 use meshes::*;
 use multires::mesh::{Attribute, Mesh, names};
-use multires::simplify::metric::{Attributes, Quadric, Substitutions, WithAttributes};
+use multires::simplify::metric::{Attributes, Dependence, Quadric, Substitutions, WithAttributes};
 use multires::simplify::{
     Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
 };
@@ -40,8 +40,8 @@ impl ErrorMetric for Nothing {
     fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
         None
     }
-    fn is_memoryless(&self) -> bool {
-        false
+    fn dependence(&self) -> Dependence {
+        Dependence::Both
     }
 }
 
@@ -149,8 +149,8 @@ impl ErrorMetric for Checked {
         self.inner.substituting(surface, s);
     }
 
-    fn is_memoryless(&self) -> bool {
-        false
+    fn dependence(&self) -> Dependence {
+        Dependence::Both
     }
 }
 

@@ -20,7 +20,7 @@ use glam::Vec3;
 
 use crate::mesh::{Mesh, NONE, Topology};
 
-use super::metric::{Batch, ErrorMetric, Pair};
+use super::metric::{Batch, Dependence, ErrorMetric, Pair};
 use super::options::{ErrorMeasure, Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
@@ -517,14 +517,16 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.state[pair.kept as usize] |= state::TOUCHED;
             ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
         } else {
-            let memoryless = self.metric.is_memoryless();
+            let dependence = self.metric.dependence();
+            let memoryless = dependence == Dependence::Triangles;
+            let kept_counts = dependence == Dependence::Both || self.is_symmetric();
             if !self.verified.is_empty() {
                 ring.iter().for_each(|&n| self.verified[n as usize] = NONE);
                 self.verified[pair.kept as usize] = NONE;
             }
             for &n in &ring {
                 let other = self.best[n as usize].other;
-                if memoryless || other == pair.lost || other == pair.kept {
+                if memoryless || other == pair.lost || kept_counts && other == pair.kept {
                     self.state[n as usize] |= state::STALE;
                 }
                 if self.state[n as usize] & state::ASLEEP != 0 {

@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 
-use super::{Batch, ErrorMetric, Pair, Quadric, Substitutions};
+use super::{Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
 use crate::mesh::{Mesh, names};
 use crate::simplify::engine::blend_weight;
 use crate::simplify::options::OptionError;
@@ -459,8 +459,8 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         self.metric.cost_per_deviation(surface, pair)
     }
 
-    fn is_memoryless(&self) -> bool {
-        self.metric.is_memoryless()
+    fn dependence(&self) -> Dependence {
+        self.metric.dependence()
     }
 }
 

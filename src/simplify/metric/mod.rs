@@ -138,11 +138,22 @@ pub trait ErrorMetric: Send + Sync {
         None
     }
 
-    /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
-    /// around it stale; otherwise only those of pairs with one of the merged points.
-    fn is_memoryless(&self) -> bool {
-        true
+    /// What costs depend on besides the two positions, so that no more is looked at again than must be.
+    fn dependence(&self) -> Dependence {
+        Dependence::Triangles
     }
+}
+
+/// What the cost of a pair depends on, besides where its points are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dependence {
+    /// What was accumulated at the lost point, and at the kept one only where the merged point is not put there.
+    /// Costs of pairs must not fall as their points take in others.
+    Lost,
+    /// What was accumulated at both points.
+    Both,
+    /// The triangles around both points as they are now: every collapse makes the costs around it stale.
+    Triangles,
 }
 
 impl ErrorMetric for Box<dyn ErrorMetric> {
@@ -174,7 +185,7 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
         (**self).cost_per_deviation(surface, pair)
     }
-    fn is_memoryless(&self) -> bool {
-        (**self).is_memoryless()
+    fn dependence(&self) -> Dependence {
+        (**self).dependence()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Batch, EdgeLength, ErrorMetric, Pair, Substitutions};
+use super::{Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions};
 use crate::simplify::surface::Surface;
 
 /// A metric chosen anew for each batch.
@@ -73,7 +73,7 @@ impl ErrorMetric for PerBatch {
         self.current.cost_per_deviation(surface, pair)
     }
 
-    fn is_memoryless(&self) -> bool {
-        self.current.is_memoryless()
+    fn dependence(&self) -> Dependence {
+        self.current.dependence()
     }
 }

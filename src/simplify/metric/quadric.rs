@@ -11,7 +11,7 @@
 use glam::Vec3;
 
 use super::solve::{Symmetric, nearest_minimum};
-use super::{Batch, ErrorMetric, Pair};
+use super::{Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::surface::{Surface, kind};
 
 /// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
@@ -149,8 +149,8 @@ impl ErrorMetric for Quadric {
         kept.add(&lost);
     }
 
-    fn is_memoryless(&self) -> bool {
-        false
+    fn dependence(&self) -> Dependence {
+        Dependence::Lost
     }
 }
 
