@@ -431,6 +431,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let error = self.witnesses.hand_over(&self.surface, &self.patch, pair, x);
         self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
+        self.metric.substituting(&self.surface, self.recorder.last(x.into()));
         let shifts_features =
             self.surface.kind(pair.lost) & !self.surface.kind(pair.kept) & kind::FEATURE != 0;
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
@@ -531,7 +532,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 }
 
 /// The share of `b` in a blend that lies nearest `x` on the segment from `a` to `b`.
-fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
+pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
     let ab = b - a;
     let length = ab.length_squared();
     if length > 0.0 { ((x - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 }

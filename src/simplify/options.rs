@@ -49,6 +49,12 @@ pub enum OptionError {
         /// What it should be.
         expected: &'static str,
     },
+    /// The mesh has no such attribute of floats.
+    #[error("the mesh has no float attribute named {name:?}")]
+    NoAttribute {
+        /// The attribute asked for.
+        name: String,
+    },
 }
 
 /// How far a simplification is.

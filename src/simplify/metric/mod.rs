@@ -12,10 +12,13 @@
 //! | [`LindstromTurk`] | volume, boundary and shape objectives | Lindstrom and Turk 1998 |
 //! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
 
+mod attributes;
 mod quadric;
 
+pub use attributes::{Attributes, WithAttributes};
 pub use quadric::Quadric;
 
+use super::sequence::NewVertex;
 use super::surface::Surface;
 
 /// A candidate: `lost` would be merged into `kept`.
@@ -37,6 +40,20 @@ pub struct Batch {
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
+}
+
+/// What a collapse does to vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Substitutions<'a> {
+    /// Where the merged point will lie, inner frame.
+    pub position: [f32; 3],
+    /// `[from, to]`: every vertex that goes and the one it becomes.
+    pub pairs: &'a [[u32; 2]],
+    /// The number of the first of `new_vertices`.
+    pub first_new: u32,
+    /// The vertices that this collapse makes: some of the `to`.
+    pub new_vertices: &'a [NewVertex],
 }
 
 /// What a collapse costs.
@@ -69,6 +86,12 @@ pub trait ErrorMetric: Send + Sync {
         let _ = (surface, pair, position);
     }
 
+    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
+    /// does to vertices: for metrics that keep something per vertex (wedge).
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        let _ = (surface, substitutions);
+    }
+
     /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
     /// around it stale; otherwise only those of pairs with one of the merged points.
     fn is_memoryless(&self) -> bool {
@@ -94,6 +117,9 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     }
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
         (**self).collapsing(surface, pair, position);
+    }
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        (**self).substituting(surface, substitutions);
     }
     fn is_memoryless(&self) -> bool {
         (**self).is_memoryless()
