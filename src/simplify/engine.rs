@@ -440,6 +440,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if shifts_features || self.patch.thirds().is_empty() {
             self.surface.reclassify_around(pair.kept);
         }
+        self.metric.collapsed(&self.surface, pair);
         self.error = self.error.max(error);
         let error = self.surface.frame().object_length(error);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
@@ -470,11 +471,13 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 }
             }
             self.state[pair.kept as usize] &= !state::ASLEEP;
-            self.state[pair.kept as usize] |= state::STALE;
             if memoryless {
-                self.best[pair.kept as usize].cost = f32::INFINITY;
+                // All its pairs are offered below.
+                self.state[pair.kept as usize] &= !state::STALE;
+                self.best[pair.kept as usize] = NO_BEST;
                 ring.iter().for_each(|&n| self.offer(pair.kept, n));
             } else {
+                self.state[pair.kept as usize] |= state::STALE;
                 // Costs of pairs that were there before only grew; those with new neighbours are new.
                 ring.clear();
                 let thirds = self.patch.thirds();

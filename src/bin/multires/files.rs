@@ -1,6 +1,6 @@
 //! What is read and written: reasons that name the file, and outputs that are checked before the work starts.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use multires::io::{self, BakeError, Format, Imported, ReadError, ReadOptions};
 use multires::mesh::Mesh;
@@ -85,7 +85,7 @@ pub fn describe(path: &Path, mesh: &Mesh) -> Value {
 }
 
 /// The same for people.
-pub fn describe_text(path: &PathBuf, mesh: &Mesh) -> String {
+pub fn describe_text(path: &Path, mesh: &Mesh) -> String {
     let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
     format!("{}: {vertices} vertices, {triangles} triangles", path.display())
 }

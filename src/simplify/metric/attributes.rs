@@ -444,6 +444,10 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        self.metric.collapsed(surface, pair);
+    }
+
     fn is_memoryless(&self) -> bool {
         self.metric.is_memoryless()
     }

@@ -13,10 +13,31 @@
 //! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
 
 mod attributes;
+mod by_name;
+mod edge_length;
+mod hybrid;
+mod lindstrom_turk;
+mod memoryless_quadric;
+mod per_batch;
+mod progressive_mesh;
 mod quadric;
+mod region;
+mod solve;
+mod stars;
+mod unsigned_volume;
+mod volume_area;
 
 pub use attributes::{Attributes, WithAttributes};
+pub use by_name::{NAMES, by_name};
+pub use edge_length::EdgeLength;
+pub use hybrid::Hybrid;
+pub use lindstrom_turk::LindstromTurk;
+pub use memoryless_quadric::MemorylessQuadric;
+pub use per_batch::PerBatch;
+pub use progressive_mesh::ProgressiveMeshMetric;
 pub use quadric::Quadric;
+pub use unsigned_volume::UnsignedVolume;
+pub use volume_area::VolumeArea;
 
 use super::sequence::NewVertex;
 use super::surface::Surface;
@@ -65,8 +86,9 @@ pub trait ErrorMetric: Send + Sync {
     /// The name that the command line uses.
     fn name(&self) -> &'static str;
 
-    /// Called before the first candidate of each batch is looked at: the place to build accumulators (when
-    /// `batch.index` is 0, or when this metric takes over from another) and to change coefficients.
+    /// Called before the first candidate of each batch is looked at: the place to build accumulators and to change
+    /// coefficients. What accumulates must be built anew when `batch.index` is 0 (another mesh) and when nothing was
+    /// built yet (a metric that takes over in a later batch, see [`PerBatch`]).
     fn begin(&mut self, surface: &Surface, batch: Batch);
 
     /// The cost of merging `pair` at `position`.
@@ -90,6 +112,12 @@ pub trait ErrorMetric: Send + Sync {
     /// does to vertices: for metrics that keep something per vertex (wedge).
     fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
         let _ = (surface, substitutions);
+    }
+
+    /// Called just after `pair` was merged: the place to bring up to date what is known of `kept` and of the points
+    /// around it.
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        let _ = (surface, pair);
     }
 
     /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
@@ -120,6 +148,9 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     }
     fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
         (**self).substituting(surface, substitutions);
+    }
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        (**self).collapsed(surface, pair);
     }
     fn is_memoryless(&self) -> bool {
         (**self).is_memoryless()

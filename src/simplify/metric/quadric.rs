@@ -10,6 +10,7 @@
 
 use glam::Vec3;
 
+use super::solve::{Symmetric, nearest_minimum};
 use super::{Batch, ErrorMetric, Pair};
 use crate::simplify::surface::{Surface, kind};
 
@@ -55,6 +56,12 @@ impl PlaneQuadric {
     #[inline]
     pub fn at(&self, d: Vec3) -> f32 {
         (d.dot(self.times(d)) + 2.0 * d.dot(Vec3::from(self.b)) + self.c).max(0.0)
+    }
+
+    /// Half the slope at `d` from the origin.
+    #[inline]
+    pub fn gradient(&self, d: Vec3) -> Vec3 {
+        self.times(d) + Vec3::from(self.b)
     }
 
     /// The same sum relative to an origin moved by `t`.
@@ -106,8 +113,13 @@ impl ErrorMetric for Quadric {
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        let _ = (surface, pair);
-        None
+        let (lost, kept) = (surface.at(pair.lost), surface.at(pair.kept));
+        let middle = 0.5 * (lost + kept);
+        let (a, b) = (&self.quadrics[pair.lost as usize], &self.quadrics[pair.kept as usize]);
+        let h = Symmetric(std::array::from_fn(|i| f64::from(a.a[i]) + f64::from(b.a[i])));
+        let gradient = a.gradient(middle - lost) + b.gradient(middle - kept);
+        let x = middle + nearest_minimum(&h, gradient.as_dvec3()).as_vec3();
+        Some((x.into(), a.at(x - lost) + b.at(x - kept)))
     }
 
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
