@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{Order, Placement, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -206,30 +206,37 @@ impl Rules {
 
     /// Which rules stood in the way where nothing legal was left, and what would loosen them.
     pub fn obstacles(&self, report: &SimplifyReport) -> String {
-        let one = |r: &multires::simplify::Refusal| {
-            let hint = match r.oracle.as_str() {
-                "border" if self.lock_borders => " (leave out --lock-borders)",
-                "seam" => " (--drop leaves out attributes with seams)",
-                "material" => " (--drop material)",
-                "link" => " (keeps the topology; --join-distance joins parts)",
-                "normal flip" => " (a larger --max-turn)",
-                "triangle quality" => " (a smaller --min-quality)",
-                _ => "",
-            };
-            format!("{} {}{hint}", r.oracle, r.standing)
+        let hint = |oracle: &str| match oracle {
+            "border" if self.lock_borders => " (leave out --lock-borders)",
+            "seam" => " (--drop leaves out attributes with seams)",
+            "material" => " (--drop material)",
+            "link" => " (keeps the topology; --join-distance joins parts)",
+            "normal flip" => " (a larger --max-turn)",
+            "triangle quality" => " (a smaller --min-quality)",
+            _ => "",
         };
-        let standing: Vec<String> = report.refusals.iter().filter(|r| r.standing > 0).map(one).collect();
-        if standing.is_empty() {
-            "nothing is left to collapse".to_owned()
-        } else {
-            format!("no legal collapse is left; candidates refused: {}", standing.join(", "))
+        let list = |number: fn(&Refusal) -> u64| {
+            let some = report.refusals.iter().filter(|r| number(r) > 0);
+            let lines: Vec<String> =
+                some.map(|r| format!("{} {}{}", r.oracle, number(r), hint(&r.oracle))).collect();
+            lines.join(", ")
+        };
+        // What is refused in the end says most; what was on the way says something.
+        match (list(|r| r.standing), list(|r| r.count)) {
+            (standing, _) if !standing.is_empty() => {
+                format!("no legal collapse is left; refused there: {standing}")
+            }
+            (_, count) if !count.is_empty() => {
+                format!("no legal collapse is left; refused since the start: {count}")
+            }
+            _ => "nothing is left to collapse".to_owned(),
         }
     }
 }
 
 /// A report's refusals, for JSON.
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
-    let one = |r: &multires::simplify::Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
+    let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
     report.refusals.iter().map(one).collect()
 }
 
