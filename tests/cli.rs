@@ -104,7 +104,9 @@ fn every_command_answers_with_one_object() {
     let extracted = json("extract", &[&baked, &level], "--triangles 500").answer();
     let result = io::read(&level).unwrap();
     assert_eq!(number(&extracted["output"]["triangles"]), result.triangles().len());
-    assert!((300..=500).contains(&result.triangles().len()));
+    assert!(
+        result.triangles().len() <= 500 || result.triangles().len() == number(&info["coarsest"]["triangles"])
+    );
     assert!(extracted["error"].as_f64().unwrap() <= info["coarsest"]["error"].as_f64().unwrap());
     assert_eq!(folder.names(), ["all.mres", "in.glb", "level.glb", "out.ply"]);
 }

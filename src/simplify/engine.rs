@@ -203,7 +203,10 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
                 continue;
             }
-            if self.state[point as usize] & state::STALE != 0 {
+            // Its candidate may have been merged away as a partner without an edge, or be taken by this batch.
+            let other = self.state.get(self.best[point as usize].other as usize);
+            let taken = other.is_some_and(|other| other & (state::GONE | state::TOUCHED) != 0);
+            if taken || self.state[point as usize] & state::STALE != 0 {
                 self.refresh(point);
                 let best = self.best[point as usize];
                 if best.other == NONE {
@@ -475,6 +478,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 // All its pairs are offered below.
                 self.state[pair.kept as usize] &= !state::STALE;
                 self.best[pair.kept as usize] = NO_BEST;
+                self.queue.remove(pair.kept);
                 ring.iter().for_each(|&n| self.offer(pair.kept, n));
             } else {
                 self.state[pair.kept as usize] |= state::STALE;

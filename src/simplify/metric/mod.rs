@@ -63,6 +63,13 @@ pub struct Batch {
     pub input_triangles: usize,
 }
 
+impl Batch {
+    /// The first batch on a surface, to ask a metric outside of a simplification.
+    pub fn first(surface: &Surface) -> Self {
+        Self { index: 0, triangles: surface.live_triangles(), input_triangles: surface.triangle_count() }
+    }
+}
+
 /// What a collapse does to vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

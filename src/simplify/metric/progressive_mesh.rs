@@ -28,9 +28,9 @@ pub struct ProgressiveMeshMetric {
 }
 
 impl Default for ProgressiveMeshMetric {
-    /// kappa = 1e-3.
+    /// kappa = 1e-5.
     fn default() -> Self {
-        Self { stars: Stars::new(Weight::One, UPRIGHT), kappa: 1e-3, schedule: None }
+        Self { stars: Stars::new(Weight::One, UPRIGHT), kappa: 1e-5, schedule: None }
     }
 }
 
@@ -47,7 +47,7 @@ impl ProgressiveMeshMetric {
     }
 
     /// How stiff the springs are, 0 (none) and up; anything else counts as 0. Squared lengths against squared distances:
-    /// no unit. Default 0.001.
+    /// no unit. Default 0.00001: enough to decide on planes.
     #[must_use]
     pub fn with_kappa(mut self, kappa: f32) -> Self {
         self.kappa = stiffness(kappa);
