@@ -226,6 +226,15 @@ fn rules_can_be_changed() {
             .map(steered);
     assert!(off != on && on == same && chosen != on && chosen != off);
 
+    let [travel, verified] = ["travel", "verified"].map(|m| {
+        io::write(&input, &rock).unwrap();
+        let how = format!("--triangles 500 --error-measure {m}");
+        let answer = json("simplify", &[&input, &output], &how).answer();
+        assert_eq!(answer["error_measure"], m);
+        answer["error"].as_f64().unwrap()
+    });
+    assert!(travel > 2.0 * verified, "{travel} {verified}");
+
     let two = {
         let sphere = shapes::icosphere(2);
         let count = sphere.positions().len() as u32;

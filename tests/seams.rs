@@ -2,13 +2,15 @@
 
 mod meshes;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use meshes::*;
 use multires::mesh::{Mesh, names};
 use multires::simplify::metric::WithAttributes;
 use multires::simplify::oracle::Borders;
-use multires::simplify::{CollapseSequence, Origin, Placement, Simplifier};
+use multires::simplify::{
+    Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
+};
 use proptest::prelude::*;
 
 const PLACEMENTS: [Placement; 4] =
@@ -19,7 +21,7 @@ fn simplified(mesh: &Mesh, placement: Placement) -> CollapseSequence {
 }
 
 fn uv(mesh: &Mesh) -> Vec<[f32; 2]> {
-    mesh.attribute(names::UV).unwrap().as_floats().unwrap().as_chunks::<2>().0.to_vec()
+    rows(mesh.attribute(names::UV).unwrap().as_floats().unwrap())
 }
 
 /// Levels spread over the whole sequence, both ends included.
@@ -59,7 +61,7 @@ fn a_closed_cube_stays_closed_and_keeps_its_creases() {
         assert_eq!(sequence.report().triangles, 12, "{placement:?}");
         let base = sequence.extract(&mesh, sequence.len());
         assert_eq!(base.positions().len(), 24, "three normals at each corner");
-        let normals = base.attribute(names::NORMAL).unwrap().as_floats().unwrap().as_chunks::<3>().0;
+        let normals: Vec<[f32; 3]> = rows(base.attribute(names::NORMAL).unwrap().as_floats().unwrap());
         for t in base.triangles() {
             let n = normal(t.map(|v| base.positions()[v as usize]));
             for v in t {
@@ -156,6 +158,23 @@ fn both_sides_of_a_seam_move_together() {
     }
 }
 
+/// Shortest edge first: only the rules keep anything in place.
+struct Shortest;
+
+impl ErrorMetric for Shortest {
+    fn name(&self) -> &'static str {
+        "shortest"
+    }
+    fn begin(&mut self, _: &Surface, _: Batch) {}
+    fn cost(&self, surface: &Surface, pair: Pair, _: [f32; 3]) -> f32 {
+        let edge = sub(surface.position(pair.lost), surface.position(pair.kept));
+        dot(edge, edge) as f32
+    }
+    fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
+        None
+    }
+}
+
 #[test]
 fn borders_between_materials_stay_in_place() {
     let mesh = grid(12, 12, |u, v| 0.05 * (9.0 * u + 4.0 * v).sin());
@@ -166,32 +185,67 @@ fn borders_between_materials_stay_in_place() {
     let ids: Vec<u32> = mesh.triangles().iter().map(side).collect();
     let mesh = mesh.clone().with_materials(ids).unwrap();
     for placement in PLACEMENTS {
-        let sequence = simplified(&mesh, placement);
-        // Beyond that error the whole outline may go.
-        let last = sequence.steps_for_error(0.04);
-        assert!(sequence.triangles_after(last) < mesh.triangles().len() / 2, "{placement:?}");
-        for steps in (0..=12).map(|i| i * last / 12) {
+        // With the outline in place, all the way down to the base.
+        let simplifier = Simplifier::new().metric(Shortest).oracle(Borders::Locked).placement(placement);
+        let sequence = { simplifier }.run(&mesh).unwrap();
+        assert!(sequence.report().triangles < mesh.triangles().len() / 3);
+        for steps in some_levels(&sequence, 12) {
             let coarse = sequence.extract(&mesh, steps);
-            let mut between = std::collections::BTreeMap::<[u32; 2], BTreeSet<u32>>::new();
+            let mut between = BTreeMap::<[u32; 2], BTreeSet<u32>>::new();
             for (t, &material) in coarse.triangles().iter().zip(coarse.materials()) {
                 for i in 0..3 {
                     let (a, b) = (t[i], t[(i + 1) % 3]);
                     between.entry([a.min(b), a.max(b)]).or_default().insert(material);
                     // The border is straight in x, so no triangle reaches beyond it.
                     let x = coarse.positions()[a as usize][0];
-                    assert!(if material == 0 { x <= 0.50001 } else { x >= 0.49999 });
+                    assert!(if material == 0 { x <= 0.50001 } else { x >= 0.49999 }, "{placement:?}");
                 }
             }
-            let length: f32 = between
-                .iter()
-                .filter(|(_, ids)| ids.len() == 2)
-                .map(|(edge, _)| {
-                    let [p, q] = edge.map(|v| coarse.positions()[v as usize]);
-                    assert!((p[0] - 0.5).abs() < 1e-5 && (q[0] - 0.5).abs() < 1e-5);
-                    (p[1] - q[1]).abs()
-                })
-                .sum();
+            let mut length = 0.0;
+            for edge in between.iter().filter(|(_, ids)| ids.len() == 2).map(|(edge, _)| edge) {
+                let [p, q] = edge.map(|v| coarse.positions()[v as usize]);
+                assert!((p[0] - 0.5).abs() < 1e-5 && (q[0] - 0.5).abs() < 1e-5);
+                length += (p[1] - q[1]).abs();
+            }
             assert!((length - 1.0).abs() < 1e-4, "the border runs from end to end: {length}");
+        }
+        let on_border = |mesh: &Mesh| mesh.positions().iter().filter(|p| (p[0] - 0.5).abs() < 1e-5).count();
+        assert!(on_border(&sequence.extract(&mesh, sequence.len())) < on_border(&mesh), "{placement:?}");
+    }
+}
+
+/// A seam that is closed in one point: that point's one wedge has two to go to, so it must stay.
+#[test]
+fn wedges_of_one_point_never_become_one() {
+    let open = seamed_grid(6, 12, |_, _| 0.0);
+    let values = uv(&open);
+    let middle = |v: usize| open.positions()[v] == [0.5, 0.5, 0.0];
+    let one = (0..values.len()).find(|&v| middle(v)).unwrap() as u32;
+    let pinch = |v: u32| if middle(v as usize) { one } else { v };
+    let triangles: Vec<[u32; 3]> = open.triangles().iter().map(|t| t.map(pinch)).collect();
+    let mesh = Mesh::new(open.positions(), triangles)
+        .unwrap()
+        .with_attribute(open.attribute(names::UV).unwrap().clone())
+        .unwrap();
+    for placement in PLACEMENTS {
+        let simplifier = Simplifier::new().metric(Shortest).placement(placement);
+        let sequence = { simplifier }.run(&mesh).unwrap();
+        for steps in 1..=sequence.len() {
+            let new = |v: u32| v as usize >= values.len();
+            for &[from, to] in sequence.substitutions(steps - 1) {
+                let same_place = !new(from)
+                    && !new(to)
+                    && mesh.positions()[from as usize] == mesh.positions()[to as usize];
+                assert!(!same_place, "{from} became {to} in step {steps} with {placement:?}");
+            }
+        }
+        assert!(sequence.len() > 50);
+
+        // With all else locked there is nowhere to go; with a wedge for each side there is.
+        for (mesh, expected) in [(&mesh, 0), (&open, 1)] {
+            let locks: Vec<bool> = (0..values.len()).map(|v| !middle(v)).collect();
+            let mesh = mesh.clone().with_locks(locks).unwrap();
+            assert_eq!(simplified(&mesh, placement).len(), expected, "{placement:?}");
         }
     }
 }

@@ -165,7 +165,8 @@ fn bad_options_are_errors() {
 fn every_mesh_is_legal() {
     let line = |n: usize| (0..n).map(|i| [i as f32, 0.0, 0.0]).collect::<Vec<_>>();
     let same = vec![[1.0f32; 3]; 6];
-    let meshes: [(&str, Vec<[f32; 3]>, Vec<[u32; 3]>); 9] = [
+    type Case = (&'static str, Vec<[f32; 3]>, Vec<[u32; 3]>);
+    let meshes: [Case; 9] = [
         ("empty", vec![], vec![]),
         ("points only", line(5), vec![]),
         ("one triangle", vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]),

@@ -599,10 +599,14 @@ impl Stars {
     fn remove(&mut self, point: u32, triangle: u32) {
         let span = &mut self.spans[point as usize];
         let star = &mut self.pool[span.start..span.start + span.len as usize];
-        if let Some(at) = star.iter().position(|&entry| entry >> 2 == triangle) {
-            star[at] = star[star.len() - 1];
-            span.len -= 1;
+        // Compaction without a branch on where it is.
+        let mut kept = 0;
+        for i in 0..star.len() {
+            let entry = star[i];
+            star[kept] = entry;
+            kept += usize::from(entry >> 2 != triangle);
         }
+        span.len = kept as u32;
     }
 
     fn clear(&mut self, point: u32) {

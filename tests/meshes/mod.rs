@@ -11,9 +11,19 @@ pub fn grid_triangles(columns: u32, rows: u32, first: u32) -> Vec<[u32; 3]> {
     let at = |x: u32, y: u32| first + y * (columns + 1) + x;
     let cell = |x: u32, y: u32| {
         let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
-        if (x + y) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        if (x ^ y) & 1 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     };
     (0..rows).flat_map(|y| (0..columns).flat_map(move |x| cell(x, y))).collect()
+}
+
+/// Values in arrays, one per vertex.
+pub fn rows<T: Copy + Default, const WIDTH: usize>(values: &[T]) -> Vec<[T; WIDTH]> {
+    let row = |chunk: &[T]| {
+        let mut row = [T::default(); WIDTH];
+        row.copy_from_slice(chunk);
+        row
+    };
+    values.chunks_exact(WIDTH).map(row).collect()
 }
 
 /// Points of a grid over the unit square, lifted by `height`.

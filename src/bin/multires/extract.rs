@@ -112,7 +112,7 @@ impl Run for Extract {
         table.row("input", self.input.display());
         table.row("output", files::describe_text(&self.output, &mesh));
         table.row("of the finest", format!("{:.2} % of the triangles", of.unwrap_or(100.0)));
-        table.row("error at most", error_text(error, error_percent));
+        table.row("error", error_text(error, error_percent));
         Ok(Answer { json, text: table.text(), warnings: Vec::new() })
     }
 }

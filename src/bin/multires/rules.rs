@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -28,6 +28,10 @@ pub struct Rules {
     /// Always the cheapest collapse next, or batches of independent ones.
     #[arg(long, value_name = "O", value_enum, default_value_t = Sequence::Linear)]
     pub order: Sequence,
+    /// What the error is: how far points have travelled (quick, loose), their distance from the surface, or that and
+    /// collapses that turn out worse than foreseen put off (closest, slowest; for the quadric metric).
+    #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Measured)]
+    pub error_measure: Measure,
     /// Whether attributes steer the collapses: off, on (normals, texture coordinates and colours with the customary
     /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth. For the
     /// quadric metrics.
@@ -64,6 +68,14 @@ pub enum Place {
 pub enum Sequence {
     Linear,
     Batched,
+}
+
+/// What the error of a level is.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Measure {
+    Travel,
+    Measured,
+    Verified,
 }
 
 /// Which attributes count.
@@ -164,11 +176,17 @@ impl Rules {
             Sequence::Linear => Order::Linear,
             Sequence::Batched => Order::Batched,
         };
+        let measure = match self.error_measure {
+            Measure::Travel => ErrorMeasure::Travel,
+            Measure::Measured => ErrorMeasure::Measured,
+            Measure::Verified => ErrorMeasure::Verified,
+        };
         let borders = if self.lock_borders { Borders::Locked } else { Borders::Slide };
         Ok(Simplifier::new()
             .metric(metric)
             .placement(placement)
             .order(order)
+            .error_measure(measure)
             .join_distance(self.join_distance as f32)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
@@ -176,7 +194,7 @@ impl Rules {
     }
 
     /// What was asked for, for JSON.
-    pub fn describe(&self, place: Place) -> [(&'static str, Value); 4] {
+    pub fn describe(&self, place: Place) -> [(&'static str, Value); 5] {
         let attributes = match &self.attributes {
             Weights::Off => json!("off"),
             Weights::Customary => json!("on"),
@@ -188,19 +206,29 @@ impl Rules {
             ("metric", json!(self.metric)),
             ("placement", json!(place.name())),
             ("order", json!(self.order_name())),
+            ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
         ]
     }
 
     /// The same for people.
     pub fn describe_text(&self, place: Place) -> String {
-        format!("{}, {} placement, {} order", self.metric, place.name(), self.order_name())
+        let (order, measure) = (self.order_name(), self.measure_name());
+        format!("{}, {} placement, {order} order, {measure} error", self.metric, place.name())
     }
 
     fn order_name(&self) -> &'static str {
         match self.order {
             Sequence::Linear => "linear",
             Sequence::Batched => "batched",
+        }
+    }
+
+    fn measure_name(&self) -> &'static str {
+        match self.error_measure {
+            Measure::Travel => "travel",
+            Measure::Measured => "measured",
+            Measure::Verified => "verified",
         }
     }
 

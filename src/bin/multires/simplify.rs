@@ -44,7 +44,7 @@ struct Targets {
     /// At most this share of the triangles, 0 to 1.
     #[arg(long, value_name = "R", value_parser = share)]
     ratio: Option<f64>,
-    /// As few triangles as possible while the error bound stays within this, object units.
+    /// As few triangles as possible while the error stays within this, object units.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     error: Option<f64>,
     /// The same in percent of the diagonal of the mesh's box.
@@ -121,7 +121,7 @@ impl Run for Simplify {
         table.row("input", input_text);
         table.row("output", files::describe_text(&self.output, &level));
         table.row("kept", format!("{:.2} % of the triangles", share.unwrap_or(100.0)));
-        table.row("error at most", error_text(f64::from(report.error), error_percent));
+        table.row("error", error_text(f64::from(report.error), error_percent));
         table.row("stopped by", rules::stop_name(report.stop));
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));

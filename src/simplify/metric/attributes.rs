@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 
-use super::{Batch, ErrorMetric, Pair, Quadric, Substitutions};
+use super::{Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
 use crate::mesh::{Mesh, names};
 use crate::simplify::engine::blend_weight;
 use crate::simplify::options::OptionError;
@@ -57,11 +57,11 @@ impl<'a> Attributes<'a> {
     }
 
     /// The customary weight of normals.
-    pub const NORMAL_WEIGHT: f32 = 0.02;
+    pub const NORMAL_WEIGHT: f32 = 0.003;
     /// The customary weight of colours.
-    pub const COLOR_WEIGHT: f32 = 0.05;
+    pub const COLOR_WEIGHT: f32 = 0.01;
     /// What a texture that slides along the surface is worth, as a share of the way it slides.
-    pub const SLIDE_WEIGHT: f32 = 0.25;
+    pub const SLIDE_WEIGHT: f32 = 0.1;
 
     /// Counts [`names::NORMAL`], where the mesh has it.
     #[must_use]
@@ -288,15 +288,17 @@ impl<M> WithAttributes<M> {
         mix(scalar)
     }
 
-    /// What the attributes cost where `pair` is merged at `x`, the kept point's own place or between.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+    /// What the attributes cost where `pair` is merged at `x`, the kept point's own place or between; `whole` with what
+    /// the kept wedges carry where they stay as they are.
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, x: Vec3, whole: bool) -> f32 {
         let mut sum = 0.0;
         let stays = x == surface.at(pair.kept);
         let share = blend_weight(surface.at(pair.lost), surface.at(pair.kept), x);
         for_wedges(surface, pair, |lost, kept| {
             sum += if stays {
                 let values = self.values_of(kept);
-                self.deviation(lost, x, |s| values[s]) + self.heads[kept as usize].c
+                let own = if whole { self.heads[kept as usize].c } else { 0.0 };
+                self.deviation(lost, x, |s| values[s]) + own
             } else {
                 let value = |s: usize| self.blend([lost, kept], share, s);
                 self.deviation(lost, x, value) + self.deviation(kept, x, value)
@@ -394,7 +396,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
     fn name(&self) -> &'static str {
         match self.metric.name() {
             "quadric" => "quadric+attributes",
-            "memoryless" => "memoryless+attributes",
+            "memoryless-quadric" => "memoryless-quadric+attributes",
             _ => "attributes",
         }
     }
@@ -407,16 +409,21 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
     }
 
     fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
-        self.metric.cost(surface, pair, position) + self.attribute_cost(surface, pair, Vec3::from(position))
+        self.metric.cost(surface, pair, position)
+            + self.attribute_cost(surface, pair, Vec3::from(position), true)
     }
 
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
-        self.metric.cost_at_kept(surface, pair) + self.attribute_cost(surface, pair, surface.at(pair.kept))
+        // Attribute deviations are summed as plain quadrics are, with six times the integral: at the inner metric's
+        // own rate they keep their weight beside it.
+        let rate = self.metric.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0);
+        self.metric.cost_at_kept(surface, pair)
+            + rate * self.attribute_cost(surface, pair, surface.at(pair.kept), false)
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         let (position, cost) = self.metric.optimum(surface, pair)?;
-        Some((position, cost + self.attribute_cost(surface, pair, Vec3::from(position))))
+        Some((position, cost + self.attribute_cost(surface, pair, Vec3::from(position), true)))
     }
 
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
@@ -448,8 +455,12 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         self.metric.collapsed(surface, pair);
     }
 
-    fn is_memoryless(&self) -> bool {
-        self.metric.is_memoryless()
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        self.metric.cost_per_deviation(surface, pair)
+    }
+
+    fn dependence(&self) -> Dependence {
+        self.metric.dependence()
     }
 }
 

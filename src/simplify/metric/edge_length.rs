@@ -2,7 +2,7 @@
 //!
 //! Blind to shape: dense regions go first whatever they look like, so points end up evenly spread and slivers are rare.
 
-use super::{Batch, ErrorMetric, Pair};
+use super::{Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// The squared length of the edge; the same wherever the merged point goes, so the optimum is the midpoint.
@@ -32,7 +32,7 @@ impl ErrorMetric for EdgeLength {
     }
 
     /// Only edges at the merged point change their length.
-    fn is_memoryless(&self) -> bool {
-        false
+    fn dependence(&self) -> Dependence {
+        Dependence::Both
     }
 }

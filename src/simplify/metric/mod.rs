@@ -61,12 +61,15 @@ pub struct Batch {
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
+    /// Whether costs will be verified ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified)).
+    pub verified: bool,
 }
 
 impl Batch {
     /// The first batch on a surface, to ask a metric outside of a simplification.
     pub fn first(surface: &Surface) -> Self {
-        Self { index: 0, triangles: surface.live_triangles(), input_triangles: surface.triangle_count() }
+        let (triangles, input_triangles) = (surface.live_triangles(), surface.triangle_count());
+        Self { index: 0, triangles, input_triangles, verified: false }
     }
 }
 
@@ -115,23 +118,42 @@ pub trait ErrorMetric: Send + Sync {
         let _ = (surface, pair, position);
     }
 
-    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
-    /// does to vertices: for metrics that keep something per vertex (wedge).
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
-        let _ = (surface, substitutions);
-    }
-
     /// Called just after `pair` was merged: the place to bring up to date what is known of `kept` and of the points
     /// around it.
     fn collapsed(&mut self, surface: &Surface, pair: Pair) {
         let _ = (surface, pair);
     }
 
-    /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
-    /// around it stale; otherwise only those of pairs with one of the merged points.
-    fn is_memoryless(&self) -> bool {
-        true
+    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
+    /// does to vertices: for metrics that keep something per vertex (wedge).
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        let _ = (surface, substitutions);
     }
+
+    /// What one unit of the integral of squared distance over area (inner units) costs here: the exchange rate between
+    /// this metric and what is measured or added ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
+    /// [`WithAttributes`]). `None` where costs are no squared distances.
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        let _ = (surface, pair);
+        None
+    }
+
+    /// What costs depend on besides the two positions, so that no more is looked at again than must be.
+    fn dependence(&self) -> Dependence {
+        Dependence::Triangles
+    }
+}
+
+/// What the cost of a pair depends on, besides where its points are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dependence {
+    /// What was accumulated at the lost point, and at the kept one only where the merged point is not put there.
+    /// Costs of pairs must not fall as their points take in others.
+    Lost,
+    /// What was accumulated at both points.
+    Both,
+    /// The triangles around both points as they are now: every collapse makes the costs around it stale.
+    Triangles,
 }
 
 impl ErrorMetric for Box<dyn ErrorMetric> {
@@ -153,13 +175,17 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
         (**self).collapsing(surface, pair, position);
     }
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
-        (**self).substituting(surface, substitutions);
-    }
     fn collapsed(&mut self, surface: &Surface, pair: Pair) {
         (**self).collapsed(surface, pair);
     }
-    fn is_memoryless(&self) -> bool {
-        (**self).is_memoryless()
+
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        (**self).substituting(surface, substitutions);
+    }
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        (**self).cost_per_deviation(surface, pair)
+    }
+    fn dependence(&self) -> Dependence {
+        (**self).dependence()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Batch, EdgeLength, ErrorMetric, Pair};
+use super::{Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions};
 use crate::simplify::surface::Surface;
 
 /// A metric chosen anew for each batch.
@@ -65,7 +65,15 @@ impl ErrorMetric for PerBatch {
         self.current.collapsed(surface, pair);
     }
 
-    fn is_memoryless(&self) -> bool {
-        self.current.is_memoryless()
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        self.current.substituting(surface, substitutions);
+    }
+
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        self.current.cost_per_deviation(surface, pair)
+    }
+
+    fn dependence(&self) -> Dependence {
+        self.current.dependence()
     }
 }
