@@ -10,3 +10,8 @@ pub mod mesh;
 pub mod quality;
 pub mod simplify;
 pub mod tom;
+
+pub use error::MeshError;
+pub use mesh::{Attribute, Mesh};
+pub use simplify::{CollapseSequence, ProgressiveMesh, Simplifier};
+pub use tom::{Level, Resolution, TomCursor, TotallyOrderedMesh};

@@ -25,7 +25,6 @@ impl Collapse<'_> {
     pub fn keeps_position(&self, surface: &Surface) -> bool {
         surface.position(self.pair.kept) == self.position
     }
-
 }
 
 /// A rule that says which collapses are legal.
@@ -158,7 +157,9 @@ fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) 
     };
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
     either & bit == 0
-        || (slides(collapse.pair) && (collapse.keeps_position(surface) || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost })))
+        || (slides(collapse.pair)
+            && (collapse.keeps_position(surface)
+                || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost })))
 }
 
 /// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
@@ -299,7 +300,11 @@ impl<'a> Neighbourhood<'a> {
 
     #[inline]
     fn contains(&self, other: u32) -> bool {
-        if self.listed { self.list.iter().fold(false, |any, &n| any | (n == other)) } else { self.search(other) }
+        if self.listed {
+            self.list.iter().fold(false, |any, &n| any | (n == other))
+        } else {
+            self.search(other)
+        }
     }
 
     #[cold]

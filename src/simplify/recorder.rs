@@ -31,7 +31,9 @@ pub(super) struct Recorder {
 impl Recorder {
     pub fn new(mesh: &Mesh, topology: &Topology, surface: &Surface) -> Self {
         let wedge_of = topology.wedge_of();
-        let aliases = (0..wedge_of.len() as u32).filter(|&v| wedge_of[v as usize] != v).map(|v| [v, wedge_of[v as usize]]);
+        let aliases = (0..wedge_of.len() as u32)
+            .filter(|&v| wedge_of[v as usize] != v)
+            .map(|v| [v, wedge_of[v as usize]]);
         let mut used = vec![false; wedge_of.len()];
         for t in 0..surface.triangle_count() as u32 {
             if surface.triangle(t).is_some() {
@@ -162,7 +164,9 @@ impl Recorder {
     /// The vertices that sit at a point now.
     fn wedges_of(&self, point: u32) -> Vec<u32> {
         if let Some(&first) = self.renewed.get(point as usize).filter(|&&first| first != NONE) {
-            let chain = std::iter::successors(Some(first), |&i| Some(self.next_new[i as usize + 1]).filter(|&n| n != NONE));
+            let chain = std::iter::successors(Some(first), |&i| {
+                Some(self.next_new[i as usize + 1]).filter(|&n| n != NONE)
+            });
             return chain.map(|i| self.next_new[i as usize]).collect();
         }
         let [a, b] = [point as usize, point as usize + 1].map(|i| self.wedge_start[i] as usize);

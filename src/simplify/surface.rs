@@ -334,13 +334,7 @@ impl Surface {
 
     /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish.
     /// O(valence).
-    pub(crate) fn collapse(
-        &mut self,
-        lost: u32,
-        kept: u32,
-        position: Vec3,
-        dead: &mut Vec<u32>,
-    ) {
+    pub(crate) fn collapse(&mut self, lost: u32, kept: u32, position: Vec3, dead: &mut Vec<u32>) {
         dead.clear();
         let mut moved = std::mem::take(&mut self.scratch.moved);
         moved.clear();

@@ -65,11 +65,7 @@ impl Lanes {
     #[inline]
     fn gather(mut of: impl FnMut(usize) -> Vec3) -> Self {
         let [p, q, r, s] = [of(0), of(1), of(2), of(3)];
-        Self([
-            Vec4::new(p.x, q.x, r.x, s.x),
-            Vec4::new(p.y, q.y, r.y, s.y),
-            Vec4::new(p.z, q.z, r.z, s.z),
-        ])
+        Self([Vec4::new(p.x, q.x, r.x, s.x), Vec4::new(p.y, q.y, r.y, s.y), Vec4::new(p.z, q.z, r.z, s.z)])
     }
 
     #[inline]
