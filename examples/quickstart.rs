@@ -86,7 +86,6 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
     println!("     %   triangles    vertices         error   % of diagonal   extraction");
     std::fs::create_dir_all(out).map_err(|error| name_file(out, &error))?;
     let (mut indices, mut levels) = (Vec::new(), Vec::new());
-    let mut last = None;
     for percent in PERCENTS {
         // Every frame: pick a level, take its indices, upload, draw.
         let resolution = tom.at(Level::Ratio(percent / 100.0));
@@ -103,17 +102,17 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
             if diagonal > 0.0 { format!("{:.4}", 100.0 * f64::from(error) / diagonal) } else { "-".into() },
             time.as_secs_f64() * 1e6,
         );
-        if last != Some(resolution) {
-            let level = sequence.extract(&mesh, steps);
-            let file = out.join(format!("level-{percent}.ply"));
-            io::write(&file, &level)?;
-            levels.push((caption(percent, resolution), level));
+        let level = sequence.extract(&mesh, steps);
+        io::write(out.join(format!("level-{percent}.ply")), &level)?;
+        levels.push((caption(percent, resolution), level));
+        if resolution == tom.coarsest() {
+            println!("        the base mesh: nothing is coarser");
+            break;
         }
-        last = Some(resolution);
     }
 
     let file = out.join("levels.png");
-    picture::levels(&mesh, &levels)?.save(&file).map_err(|error| name_file(&file, &error))?;
+    picture::save(picture::levels(&mesh, &levels)?, &file).map_err(|error| name_file(&file, &*error))?;
     println!("\n{} and the levels as PLY beside it", file.display());
     Ok(())
 }

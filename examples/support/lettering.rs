@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 
 /// Pixels of one unit, and half the width of a stroke.
-const UNIT: f32 = 1.9;
+const UNIT: f32 = 1.8;
 const HALF_STROKE: f32 = 0.85;
 /// Units between characters, and of a blank.
 const GAP: f32 = 1.7;
