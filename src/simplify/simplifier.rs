@@ -16,10 +16,16 @@ use super::sequence::CollapseSequence;
 /// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
 ///
 /// # The error
-/// The bound that the sequence gives for each step, in object units, is an upper bound on the Hausdorff distance
-/// between input and level of detail, in both directions, as long as no parts are joined and faces do not wind around
-/// a point more than once: each triangle carries the bound of the surface it replaced plus how far the collapse moved
-/// that (see `deviation.rs`). It is an upper bound, not an estimate: typically 2 to 4 times the measured distance.
+/// The error that the sequence gives for each step, in object units, is measured: every input point that has been
+/// merged away keeps a place on the surface, and when a collapse changes the surface around it, its distance to the
+/// triangles that come in their place is taken. After any number of steps, *no vertex that the input's triangles use
+/// is farther from the level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the
+/// rounding of single precision. It never decreases along the sequence.
+///
+/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. Measured there by
+/// sampling both ways, the two-sided maximum was at most 10 % above the reported error in 27 of 30 levels of five
+/// models, and 33 % above at worst (`docs/performance.md` in the repository has the table). An input whose triangles
+/// are large beside its features deserves a measurement of its own: `quality::distance`.
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
