@@ -451,6 +451,24 @@ fn dirty_ranges_are_few_apart_and_ascending() {
 }
 
 #[test]
+fn nothing_grows_once_warm() {
+    let mesh = naive::torus(60, 40, false, false);
+    let tom = build(&mesh, &naive::sequence(&mesh, 100)).tom;
+    let mut out = Vec::with_capacity(3 * tom.triangle_count() + tom.vertex_count());
+    let (capacity, place) = (out.capacity(), out.as_ptr());
+    let mut cursor = TomCursor::new(Arc::new(TomSteps::new(tom.clone()).unwrap()));
+    let (memory, buffer) = (cursor.memory(), cursor.buffer().as_ptr());
+    for count in (0..tom.triangle_count()).step_by(97).map(|n| n * 31 % tom.triangle_count()) {
+        let r = tom.at(Level::Triangles(count));
+        tom.fill_indices(r, &mut out);
+        cursor.seek(r);
+        cursor.take_dirty();
+        assert_eq!((out.capacity(), out.as_ptr()), (capacity, place));
+        assert_eq!((cursor.memory(), cursor.buffer().as_ptr()), (memory, buffer));
+    }
+}
+
+#[test]
 fn overhead_counts_hops() {
     let mesh = naive::torus(12, 10, false, false);
     let tom = build(&mesh, &naive::sequence(&mesh, 40)).tom;

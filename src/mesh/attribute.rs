@@ -111,18 +111,14 @@ impl Attribute {
         &self.values.words()[start..start + self.width]
     }
 
-    /// Brings normals and tangents back to unit length after a blend; other attributes stay as they are.
-    pub(crate) fn normalise_directions(&mut self) {
+    /// Brings a blended normal or tangent back to unit length; values of other attributes stay as they are.
+    pub(crate) fn normalise_direction(&self, value: &mut [f32]) {
         if !matches!(self.name.as_str(), names::NORMAL | names::TANGENT) || self.width < 3 {
             return;
         }
-        if let AttributeValues::Float(values) = &mut self.values {
-            for value in values.chunks_exact_mut(self.width) {
-                let length = value[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
-                if length > 1e-12 && (length - 1.0).abs() > 1e-5 {
-                    value[..3].iter_mut().for_each(|x| *x /= length);
-                }
-            }
+        let length = value[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+        if length > 1e-12 && (length - 1.0).abs() > 1e-5 {
+            value[..3].iter_mut().for_each(|x| *x /= length);
         }
     }
 

@@ -184,9 +184,10 @@ impl Mesh {
         let first = used.next()?;
         let (mut low, mut high) = (first, first);
         for p in used {
+            // Positions are finite: plain comparisons, without min's and max's care for NaN.
             for axis in 0..3 {
-                low[axis] = low[axis].min(p[axis]);
-                high[axis] = high[axis].max(p[axis]);
+                low[axis] = if p[axis] < low[axis] { p[axis] } else { low[axis] };
+                high[axis] = if p[axis] > high[axis] { p[axis] } else { high[axis] };
             }
         }
         Some([low, high])

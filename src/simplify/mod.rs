@@ -8,7 +8,7 @@
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
-//! | `witness.rs` | how far the input lies from the level |
+//! | `witness.rs` | how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `sequence_build.rs` | sequences from a simplifier of your own |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
@@ -29,10 +29,11 @@ mod sequence;
 mod sequence_build;
 mod simplifier;
 mod surface;
+mod travel;
 mod witness;
 
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{OptionError, Order, Progress, Target};
+pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;

@@ -1,8 +1,10 @@
 //! Writes down what each collapse does to vertices and triangles, as the [`CollapseSequence`] wants it.
 
+use std::ops::Range;
+
 use crate::mesh::{Mesh, NONE, Topology};
 
-use super::metric::Pair;
+use super::metric::{Pair, Substitutions};
 use super::oracle::WedgeMap;
 use super::report::SimplifyReport;
 use super::sequence::{CollapseSequence, NewVertex};
@@ -20,12 +22,14 @@ pub(super) struct Recorder {
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
     live_vertices: usize,
-    /// Wedges of every point (start offsets and vertices); empty where every point has one.
-    wedge_start: Vec<u32>,
+    /// Start and number of every point's wedges; empty where every point has one. A merge never leaves a point more
+    /// wedges than it had, so new ones take the old ones' places.
+    spans: Vec<[u32; 2]>,
     wedges: Vec<u32>,
-    /// The wedges of points that were given new vertices, instead of those: first in a chain, and the next.
-    renewed: Vec<u32>,
-    next_new: Vec<u32>,
+    /// The kept point's wedges and the vertex that each becomes, in the merge at hand.
+    renamed: Vec<[u32; 2]>,
+    /// Vertices and substitutions before the last merge.
+    before: [usize; 2],
 }
 
 impl Recorder {
@@ -40,7 +44,7 @@ impl Recorder {
                 surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
             }
         }
-        let (wedge_start, wedges) =
+        let (spans, wedges) =
             if surface.has_seams() { wedge_lists(topology, &used) } else { (Vec::new(), Vec::new()) };
         let end = |t: usize| if surface.triangle(t as u32).is_some() { NONE } else { 0 };
         let steps = surface.point_count();
@@ -59,10 +63,10 @@ impl Recorder {
             triangle_end: (0..mesh.triangles().len()).map(end).collect(),
             batch_end: Vec::new(),
             live_vertices: used.iter().filter(|&&u| u).count(),
-            wedge_start,
+            spans,
             wedges,
-            renewed: Vec::new(),
-            next_new: Vec::new(),
+            renamed: Vec::new(),
+            before: [0; 2],
         }
     }
 
@@ -82,15 +86,26 @@ impl Recorder {
     /// The substitutions of merging `pair`, asked before the surface changes: `renew` is the new position (object
     /// units) and the share of `kept` in blends, or `None` where `kept` stays as it is. O(wedges).
     pub fn substitute(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
-        let (substituted, made) = (self.substitutions.len(), self.new_vertices.len());
-        if self.wedge_start.is_empty() {
+        self.before = [self.vertex_count(), self.substitutions.len()];
+        if self.spans.is_empty() {
             let (a, b) = (surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
             self.merge(a, b, renew);
         } else {
             self.substitute_wedges(surface, pair, renew);
         }
-        self.live_vertices += self.new_vertices.len() - made;
-        self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - substituted);
+        self.live_vertices += self.vertex_count() - self.before[0];
+        self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - self.before[1]);
+    }
+
+    /// What the last merge did to vertices; `position` in the inner frame.
+    pub fn last(&self, position: [f32; 3]) -> Substitutions<'_> {
+        let [vertices, substitutions] = self.before;
+        Substitutions {
+            position,
+            pairs: &self.substitutions[substitutions..],
+            first_new: vertices as u32,
+            new_vertices: &self.new_vertices[vertices - self.input_vertices as usize..],
+        }
     }
 
     fn merge(&mut self, a: u32, b: u32, renew: Option<([f32; 3], f32)>) {
@@ -109,46 +124,46 @@ impl Recorder {
 
     fn substitute_wedges(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
         let map = WedgeMap::new(surface, pair);
-        let lost = self.wedges_of(pair.lost);
-        let kept = self.wedges_of(pair.kept);
-        let Some(&anchor) = map.pairs().first().map(|p| &p[1]).or(kept.first()) else { return };
-        let first_new = self.input_vertices + self.new_vertices.len() as u32;
+        let [lost, kept] = [pair.lost, pair.kept].map(|point| self.wedges_of(point));
+        let first_kept = self.wedges[kept.clone()].first();
+        let Some(&anchor) = map.pairs().first().map(|p| &p[1]).or(first_kept) else { return };
+        // Without a side to go to, the seam ends here: all wedges become one.
         let exact = map.is_complete() || map.pairs().is_empty();
         let target = |a: u32| if exact { map.get(a).unwrap_or(anchor) } else { anchor };
-        match renew {
-            None => {
-                for &a in &lost {
-                    self.substitutions.push([a, target(a)]);
-                }
-                if !exact {
-                    // Without a side to go to the seam ends here: all wedges become one.
-                    let others = kept.iter().filter(|&&b| b != anchor);
-                    self.substitutions.extend(others.map(|&b| [b, anchor]));
-                    self.renew(pair.kept, vec![anchor]);
-                }
-            }
-            Some((position, weight)) => {
-                let mut made = Vec::new();
-                for &b in &kept {
-                    let partner = lost.iter().copied().find(|&a| map.get(a) == Some(b) && exact).unwrap_or(b);
-                    if !exact && b != anchor {
-                        continue;
-                    }
-                    let n = self.input_vertices + self.new_vertices.len() as u32;
+
+        // What the kept wedges become.
+        let mut renamed = std::mem::take(&mut self.renamed);
+        renamed.clear();
+        for i in kept.clone() {
+            let b = self.wedges[i];
+            let b = if exact { b } else { anchor };
+            let known = renamed.iter().find(|r| r[0] == b);
+            let to = match (renew, known) {
+                (None, _) => b,
+                (_, Some(&[_, to])) => to,
+                (Some((position, weight)), None) => {
+                    let partner = map.pairs().iter().find(|p| exact && p[1] == b).map_or(b, |p| p[0]);
                     self.new_vertices.push(NewVertex { from: [partner, b], weight, position });
-                    self.substitutions.push([b, n]);
-                    made.push([b, n]);
+                    self.vertex_count() as u32 - 1
                 }
-                let new_of = |b: u32| made.iter().find(|m| m[0] == b).map_or(first_new, |m| m[1]);
-                for &b in kept.iter().filter(|b| made.iter().all(|m| m[0] != **b)) {
-                    self.substitutions.push([b, new_of(anchor)]);
-                }
-                for &a in &lost {
-                    self.substitutions.push([a, new_of(target(a))]);
-                }
-                self.renew(pair.kept, made.iter().map(|m| m[1]).collect());
+            };
+            renamed.push([b, to]);
+            if self.wedges[i] != to {
+                self.substitutions.push([self.wedges[i], to]);
             }
         }
+        for i in lost {
+            let a = self.wedges[i];
+            let b = target(a);
+            let to = renamed.iter().find(|r| r[0] == b).map_or(b, |r| r[1]);
+            self.substitutions.push([a, to]);
+        }
+        let span = &mut self.spans[pair.kept as usize];
+        span[1] = if exact { span[1] } else { 1 };
+        for (i, &[_, to]) in kept.zip(&renamed).take(span[1] as usize) {
+            self.wedges[i] = to;
+        }
+        self.renamed = renamed;
     }
 
     /// What the substitutions recorded last make of a vertex.
@@ -161,6 +176,7 @@ impl Recorder {
         self.substitutions.len()
     }
 
+<<<<<<< HEAD
     /// The vertices that sit at a point now.
     fn wedges_of(&self, point: u32) -> Vec<u32> {
         if let Some(&first) = self.renewed.get(point as usize).filter(|&&first| first != NONE) {
@@ -183,6 +199,12 @@ impl Recorder {
             next = self.next_new.len() as u32 - 2;
         }
         self.renewed[point as usize] = next;
+=======
+    /// Where the vertices that sit at a point now are listed.
+    fn wedges_of(&self, point: u32) -> Range<usize> {
+        let [start, count] = self.spans[point as usize].map(|i| i as usize);
+        start..start + count
+>>>>>>> main
     }
 
     /// Ends the step: what it cost and what vanished.
@@ -227,22 +249,22 @@ impl Recorder {
     }
 }
 
-/// The used wedges of every point: offsets and vertices, by counting.
-fn wedge_lists(topology: &Topology, used: &[bool]) -> (Vec<u32>, Vec<u32>) {
+/// The used wedges of every point: start and number of each, and vertices; by counting.
+fn wedge_lists(topology: &Topology, used: &[bool]) -> (Vec<[u32; 2]>, Vec<u32>) {
     let wedges = || (0..used.len()).filter(|&v| used[v]);
-    let mut start = vec![0u32; topology.point_count() + 1];
+    let point = |v: usize| topology.point_of()[v] as usize;
+    let mut spans = vec![[0u32; 2]; topology.point_count()];
+    wedges().for_each(|v| spans[point(v)][1] += 1);
+    let mut start = 0;
+    for span in &mut spans {
+        span[0] = start;
+        start += std::mem::take(&mut span[1]);
+    }
+    let mut list = vec![0; start as usize];
     for v in wedges() {
-        start[topology.point_of()[v] as usize + 1] += 1;
+        let [start, count] = &mut spans[point(v)];
+        list[(*start + *count) as usize] = v as u32;
+        *count += 1;
     }
-    for i in 1..start.len() {
-        start[i] += start[i - 1];
-    }
-    let mut fill = start.clone();
-    let mut list = vec![0; start[start.len() - 1] as usize];
-    for v in wedges() {
-        let at = &mut fill[topology.point_of()[v] as usize];
-        list[*at as usize] = v as u32;
-        *at += 1;
-    }
-    (start, list)
+    (spans, list)
 }

@@ -225,52 +225,50 @@ impl CollapseSequence {
     /// The values of one attribute at the given vertices; new vertices blend floats and copy labels from the nearer.
     fn attribute(&self, source: &Attribute, vertices: &[u32]) -> Attribute {
         let width = source.width();
+        let label = |new: &NewVertex| new.from[usize::from(new.weight > 0.5)] as usize * width;
         let values = match source.values() {
             AttributeValues::Float(v) => {
-                AttributeValues::Float(self.arrange_with(v, width, vertices, |a, b, w| {
-                    if w == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * w }
+                AttributeValues::Float(self.arrange(v, width, vertices, |all, new| {
+                    let first = all.len();
+                    let [a, b] = new.from.map(|v| v as usize * width);
+                    for i in 0..width {
+                        let (a, b) = (all[a + i], all[b + i]);
+                        let same = new.weight == 0.0 || a.to_bits() == b.to_bits();
+                        all.push(if same { a } else { a + (b - a) * new.weight });
+                    }
+                    // Of one vertex only: that vertex's values as they are.
+                    if new.from[0] != new.from[1] {
+                        source.normalise_direction(&mut all[first..]);
+                    }
                 }))
             }
-            AttributeValues::Int(v) => AttributeValues::Int(self.arrange_with(
-                v,
-                width,
-                vertices,
-                |a, b, w| if w > 0.5 { b } else { a },
-            )),
-            AttributeValues::Uint(v) => AttributeValues::Uint(self.arrange_with(
-                v,
-                width,
-                vertices,
-                |a, b, w| if w > 0.5 { b } else { a },
-            )),
+            AttributeValues::Int(v) => AttributeValues::Int(self.arrange(v, width, vertices, |all, new| {
+                all.extend_from_within(label(new)..label(new) + width);
+            })),
+            AttributeValues::Uint(v) => {
+                AttributeValues::Uint(self.arrange(v, width, vertices, |all, new| {
+                    all.extend_from_within(label(new)..label(new) + width);
+                }))
+            }
         };
-        let mut result = Attribute::new(source.name(), width, values);
-        if !self.new_vertices.is_empty() {
-            result.normalise_directions();
-        }
-        result
+        Attribute::new(source.name(), width, values)
     }
 
-    fn arrange_with<T: Copy>(
+    /// The values at the given vertices; `make` appends those of each new vertex to all before it.
+    fn arrange<T: Copy>(
         &self,
         values: &[T],
         width: usize,
         vertices: &[u32],
-        blend: impl Fn(T, T, f32) -> T,
+        make: impl Fn(&mut Vec<T>, &NewVertex),
     ) -> Vec<T> {
-        if self.new_vertices.is_empty() {
-            return vertices
-                .iter()
-                .flat_map(|&v| &values[v as usize * width..(v as usize + 1) * width])
-                .copied()
-                .collect();
-        }
-        let mut all = values.to_vec();
-        for new in &self.new_vertices {
-            let [a, b] = new.from.map(|v| v as usize * width);
-            for i in 0..width {
-                all.push(blend(all[a + i], all[b + i], new.weight));
-            }
+        let mut made;
+        let mut all = values;
+        if !self.new_vertices.is_empty() {
+            made = Vec::with_capacity(values.len() + self.new_vertices.len() * width);
+            made.extend_from_slice(values);
+            self.new_vertices.iter().for_each(|new| make(&mut made, new));
+            all = &made;
         }
         vertices.iter().flat_map(|&v| &all[v as usize * width..(v as usize + 1) * width]).copied().collect()
     }

@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 
 use super::engine::Engine;
 use super::metric::{ErrorMetric, Quadric};
-use super::options::{Limits, OptionError, Order, Progress, Target};
+use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
@@ -16,16 +16,14 @@ use super::sequence::CollapseSequence;
 /// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
 ///
 /// # The error
-/// The error that the sequence gives for each step, in object units, is measured: every input point that has been
-/// merged away keeps a place on the surface, and when a collapse changes the surface around it, its distance to the
-/// triangles that come in their place is taken. After any number of steps, *no vertex that the input's triangles use
-/// is farther from the level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the
-/// rounding of single precision. It never decreases along the sequence.
+/// The error of each step, in object units, is measured: *no vertex that the input's triangles use is farther from the
+/// level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the rounding of single
+/// precision. Every merged point is kept on the part of the surface it lies over, and its distance is taken whenever
+/// that part changes. The error never decreases along the sequence. Other measures: [`ErrorMeasure`].
 ///
-/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. Measured there by
-/// sampling both ways, the two-sided maximum was at most 10 % above the reported error in 27 of 30 levels of five
-/// models, and 33 % above at worst (`docs/performance.md` in the repository has the table). An input whose triangles
-/// are large beside its features deserves a measurement of its own: `quality::distance`.
+/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. By samples, the
+/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table). An
+/// input whose triangles are large beside its features deserves a measurement of its own: `quality::distance`.
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
@@ -39,6 +37,7 @@ pub struct Simplifier<M = Quadric> {
     oracles: Vec<Box<dyn Oracle>>,
     targets: Vec<Target>,
     join_distance: f32,
+    measure: ErrorMeasure,
 }
 
 impl Default for Simplifier {
@@ -57,6 +56,7 @@ impl Simplifier {
             oracles: default_oracles(),
             targets: Vec::new(),
             join_distance: 0.0,
+            measure: ErrorMeasure::default(),
         }
     }
 }
@@ -65,8 +65,8 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// What a collapse costs. Default: [`Quadric`].
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Simplifier<N> {
-        let Self { placement, order, oracles, targets, join_distance, .. } = self;
-        Simplifier { metric, placement, order, oracles, targets, join_distance }
+        let Self { placement, order, oracles, targets, join_distance, measure, .. } = self;
+        Simplifier { metric, placement, order, oracles, targets, join_distance, measure }
     }
 
     /// Where the merged vertex goes. Default: [`Placement::Endpoint`].
@@ -80,6 +80,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
         self.order = order;
+        self
+    }
+
+    /// What the error of a step is. Default: [`ErrorMeasure::Measured`].
+    #[must_use]
+    pub fn error_measure(mut self, measure: ErrorMeasure) -> Self {
+        self.measure = measure;
         self
     }
 
@@ -147,6 +154,7 @@ impl<M: ErrorMetric> Simplifier<M> {
             &self.oracles,
             limits,
             self.join_distance,
+            self.measure,
         );
         Ok(engine.run(&mut progress))
     }

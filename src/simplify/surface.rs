@@ -242,6 +242,23 @@ impl Surface {
         self.stars.of(point).iter().map(|&entry| self.corner(entry))
     }
 
+    /// The triangles around a point alone, in the same order.
+    #[inline]
+    pub(crate) fn star_triangles(&self, point: u32) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
+        self.stars.of(point).iter().map(|&entry| entry >> 2)
+    }
+
+    /// Calls `visit` with every triangle that two points share.
+    #[inline]
+    pub(crate) fn for_shared_triangles(&self, a: u32, b: u32, mut visit: impl FnMut(u32)) {
+        for triangle in self.star_triangles(a) {
+            let [p, q, r] = self.triangles[triangle as usize];
+            if (p == b) | (q == b) | (r == b) {
+                visit(triangle);
+            }
+        }
+    }
+
     #[inline]
     fn corner(&self, entry: u32) -> Corner {
         let (triangle, slot) = (entry >> 2, (entry & 3) as usize);
@@ -582,10 +599,14 @@ impl Stars {
     fn remove(&mut self, point: u32, triangle: u32) {
         let span = &mut self.spans[point as usize];
         let star = &mut self.pool[span.start..span.start + span.len as usize];
-        if let Some(at) = star.iter().position(|&entry| entry >> 2 == triangle) {
-            star[at] = star[star.len() - 1];
-            span.len -= 1;
+        // Compaction without a branch on where it is.
+        let mut kept = 0;
+        for i in 0..star.len() {
+            let entry = star[i];
+            star[kept] = entry;
+            kept += usize::from(entry >> 2 != triangle);
         }
+        span.len = kept as u32;
     }
 
     fn clear(&mut self, point: u32) {

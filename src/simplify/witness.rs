@@ -33,6 +33,10 @@ pub(super) struct Witnesses {
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
+    /// Squared distance of each witness when it was placed last; empty unless asked to remember.
+    placed: Vec<f32>,
+    /// Area per input point.
+    share: f32,
 }
 
 /// Four triangles of the new patch side by side, relative to the merged point's position (their first corner). A
@@ -152,7 +156,8 @@ impl Sectors {
 }
 
 impl Witnesses {
-    pub fn new(surface: &Surface) -> Self {
+    /// No point is a witness yet. To `remember` distances is needed for [`added`](Self::added).
+    pub fn new(surface: &Surface, remember: bool) -> Self {
         let points = surface.point_count();
         Self {
             positions: (0..points as u32).map(|p| surface.at(p)).collect(),
@@ -162,6 +167,8 @@ impl Witnesses {
             fan: Vec::new(),
             largest: 0.0,
             heads: Vec::new(),
+            share: area(surface) / surface.live_points().max(1) as f32,
+            placed: if remember { vec![0.0; points] } else { Vec::new() },
         }
     }
 
@@ -180,6 +187,24 @@ impl Witnesses {
             worst = worst.max(self.nearest(self.positions[point as usize] - x).0);
         }
         worst.sqrt()
+    }
+
+    /// How much the integral of squared distance over the input would grow: every witness of the patch stands for an
+    /// equal share of the area.
+    pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+        self.spread(surface, patch, pair, x);
+        let mut sum: f32 = 0.0;
+        self.for_heads(surface, pair, x, |witnesses, mut at| {
+            while at != NONE {
+                let p = witnesses.positions[at as usize] - x;
+                sum += witnesses.nearest_with_sides(p).0 - witnesses.placed[at as usize];
+                at = witnesses.next[at as usize];
+            }
+        });
+        for point in self.newcomers(surface, pair, x) {
+            sum += self.nearest_with_sides(self.positions[point as usize] - x).0;
+        }
+        sum * self.share
     }
 
     /// Hands every witness of the patch to the triangle of the new patch that it lies over, just before the collapse
@@ -255,6 +280,9 @@ impl Witnesses {
     #[inline]
     fn place(&mut self, witness: u32, x: Vec3) -> f32 {
         let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
+        if let Some(placed) = self.placed.get_mut(witness as usize) {
+            *placed = distance;
+        }
         if triangle != NONE {
             self.next[witness as usize] = self.head[triangle as usize];
             self.head[triangle as usize] = witness;
@@ -272,13 +300,27 @@ impl Witnesses {
         for sectors in &self.fan {
             best = sectors.least(sectors.heights(&p), best);
         }
-        if best.0 <= self.largest {
-            return best;
-        }
+        if best.0 <= self.largest { best } else { self.nearest_with_sides(point) }
+    }
+
+    /// The same with the triangles' sides asked in any case: exact for the new patch.
+    fn nearest_with_sides(&self, point: Vec3) -> (f32, u32) {
+        let p = Lanes::splat(point);
+        let mut best = (f32::INFINITY, NONE);
         for sectors in &self.fan {
-            best = sectors.least(sectors.sides(&p), best);
+            best = sectors.least(sectors.heights(&p).min(sectors.sides(&p)), best);
         }
         // Where nothing is left but the merged point itself.
         if best.1 == NONE { (point.length_squared(), NONE) } else { best }
     }
+}
+
+/// Area of a surface, inner units.
+fn area(surface: &Surface) -> f32 {
+    let triangles = (0..surface.triangle_count() as u32).filter_map(|t| surface.triangle(t));
+    let double = triangles.map(|t| {
+        let [p, q, r] = t.map(|v| surface.at(v));
+        f64::from((q - p).cross(r - p).length())
+    });
+    (0.5 * double.sum::<f64>()) as f32
 }

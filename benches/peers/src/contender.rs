@@ -4,7 +4,8 @@ use std::error::Error;
 
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use multires::mesh::Mesh;
-use multires::simplify::Simplifier;
+use multires::simplify::metric::LindstromTurk;
+use multires::simplify::{ErrorMeasure, Placement, Simplifier, Target};
 
 /// A simplifier under measurement.
 pub(crate) struct Contender {
@@ -23,16 +24,17 @@ pub(crate) enum Output {
     /// Triangles on the input's own vertices.
     Indices(Vec<u32>),
     /// A mesh with vertices of its own, for contenders that move or make vertices.
-    #[allow(
-        dead_code,
-        reason = "the form of contenders that place vertices; those here pick among the input's"
-    )]
     Mesh(Mesh),
 }
 
 /// Every contender, in the order they run within a round.
-pub(crate) const CONTENDERS: &[Contender] =
-    &[Contender { name: "meshopt", run: meshopt }, Contender { name: "multires", run: multires_all }];
+pub(crate) const CONTENDERS: &[Contender] = &[
+    Contender { name: "meshopt", run: meshopt },
+    Contender { name: "travel", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Travel) },
+    Contender { name: "measured", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Measured) },
+    Contender { name: "verified", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Verified) },
+    Contender { name: "lindstrom-turk", run: lindstrom_turk },
+];
 
 /// Refuses names that no contender has.
 pub(crate) fn check_names(names: &[String]) -> Result<(), String> {
@@ -76,8 +78,15 @@ fn meshopt(mesh: &Mesh, triangles: usize) -> Outcome {
 }
 
 /// The whole sequence down to the base mesh, quadrics and endpoint placement, and the level asked for taken from it.
-fn multires_all(mesh: &Mesh, triangles: usize) -> Outcome {
-    let sequence = Simplifier::new().run(mesh)?;
+fn sequence(mesh: &Mesh, triangles: usize, measure: ErrorMeasure) -> Outcome {
+    let sequence = Simplifier::new().error_measure(measure).run(mesh)?;
     let (level, _) = sequence.triangles_at(mesh, sequence.steps_for_triangles(triangles));
     Ok(Output::Indices(level.into_flattened()))
+}
+
+/// Lindstrom-Turk with optimal placement, to the level asked for.
+fn lindstrom_turk(mesh: &Mesh, triangles: usize) -> Outcome {
+    let simplifier = Simplifier::new().metric(LindstromTurk::new()).placement(Placement::Optimal);
+    let sequence = simplifier.target(Target::Triangles(triangles)).run(mesh)?;
+    Ok(Output::Mesh(sequence.extract(mesh, sequence.len())))
 }

@@ -12,10 +12,34 @@
 //! | [`LindstromTurk`] | volume, boundary and shape objectives | Lindstrom and Turk 1998 |
 //! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
 
+mod attributes;
+mod by_name;
+mod edge_length;
+mod hybrid;
+mod lindstrom_turk;
+mod memoryless_quadric;
+mod per_batch;
+mod progressive_mesh;
 mod quadric;
+mod region;
+mod solve;
+mod stars;
+mod unsigned_volume;
+mod volume_area;
 
+pub use attributes::{Attributes, WithAttributes};
+pub use by_name::{NAMES, by_name};
+pub use edge_length::EdgeLength;
+pub use hybrid::Hybrid;
+pub use lindstrom_turk::LindstromTurk;
+pub use memoryless_quadric::MemorylessQuadric;
+pub use per_batch::PerBatch;
+pub use progressive_mesh::ProgressiveMeshMetric;
 pub use quadric::Quadric;
+pub use unsigned_volume::UnsignedVolume;
+pub use volume_area::VolumeArea;
 
+use super::sequence::NewVertex;
 use super::surface::Surface;
 
 /// A candidate: `lost` would be merged into `kept`.
@@ -37,6 +61,30 @@ pub struct Batch {
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
+    /// Whether costs will be verified ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified)).
+    pub verified: bool,
+}
+
+impl Batch {
+    /// The first batch on a surface, to ask a metric outside of a simplification.
+    pub fn first(surface: &Surface) -> Self {
+        let (triangles, input_triangles) = (surface.live_triangles(), surface.triangle_count());
+        Self { index: 0, triangles, input_triangles, verified: false }
+    }
+}
+
+/// What a collapse does to vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Substitutions<'a> {
+    /// Where the merged point will lie, inner frame.
+    pub position: [f32; 3],
+    /// `[from, to]`: every vertex that goes and the one it becomes.
+    pub pairs: &'a [[u32; 2]],
+    /// The number of the first of `new_vertices`.
+    pub first_new: u32,
+    /// The vertices that this collapse makes: some of the `to`.
+    pub new_vertices: &'a [NewVertex],
 }
 
 /// What a collapse costs.
@@ -48,8 +96,9 @@ pub trait ErrorMetric: Send + Sync {
     /// The name that the command line uses.
     fn name(&self) -> &'static str;
 
-    /// Called before the first candidate of each batch is looked at: the place to build accumulators (when
-    /// `batch.index` is 0, or when this metric takes over from another) and to change coefficients.
+    /// Called before the first candidate of each batch is looked at: the place to build accumulators and to change
+    /// coefficients. What accumulates must be built anew when `batch.index` is 0 (another mesh) and when nothing was
+    /// built yet (a metric that takes over in a later batch, see [`PerBatch`]).
     fn begin(&mut self, surface: &Surface, batch: Batch);
 
     /// The cost of merging `pair` at `position`.
@@ -69,11 +118,42 @@ pub trait ErrorMetric: Send + Sync {
         let _ = (surface, pair, position);
     }
 
-    /// Whether a cost depends on the triangles around both points as they are now. Then every collapse makes the costs
-    /// around it stale; otherwise only those of pairs with one of the merged points.
-    fn is_memoryless(&self) -> bool {
-        true
+    /// Called just after `pair` was merged: the place to bring up to date what is known of `kept` and of the points
+    /// around it.
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        let _ = (surface, pair);
     }
+
+    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
+    /// does to vertices: for metrics that keep something per vertex (wedge).
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        let _ = (surface, substitutions);
+    }
+
+    /// What one unit of the integral of squared distance over area (inner units) costs here: the exchange rate between
+    /// this metric and what is measured or added ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
+    /// [`WithAttributes`]). `None` where costs are no squared distances.
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        let _ = (surface, pair);
+        None
+    }
+
+    /// What costs depend on besides the two positions, so that no more is looked at again than must be.
+    fn dependence(&self) -> Dependence {
+        Dependence::Triangles
+    }
+}
+
+/// What the cost of a pair depends on, besides where its points are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dependence {
+    /// What was accumulated at the lost point, and at the kept one only where the merged point is not put there.
+    /// Costs of pairs must not fall as their points take in others.
+    Lost,
+    /// What was accumulated at both points.
+    Both,
+    /// The triangles around both points as they are now: every collapse makes the costs around it stale.
+    Triangles,
 }
 
 impl ErrorMetric for Box<dyn ErrorMetric> {
@@ -95,7 +175,17 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
         (**self).collapsing(surface, pair, position);
     }
-    fn is_memoryless(&self) -> bool {
-        (**self).is_memoryless()
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        (**self).collapsed(surface, pair);
+    }
+
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        (**self).substituting(surface, substitutions);
+    }
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        (**self).cost_per_deviation(surface, pair)
+    }
+    fn dependence(&self) -> Dependence {
+        (**self).dependence()
     }
 }

@@ -1,0 +1,33 @@
+//! Metrics by the names that the command line uses.
+
+use super::{
+    EdgeLength, ErrorMetric, Hybrid, LindstromTurk, MemorylessQuadric, ProgressiveMeshMetric, Quadric,
+    UnsignedVolume, VolumeArea,
+};
+
+/// All names that [`by_name`] knows.
+pub const NAMES: [&str; 8] = [
+    "quadric",
+    "memoryless-quadric",
+    "lindstrom-turk",
+    "volume-area",
+    "unsigned-volume",
+    "hybrid",
+    "progressive-mesh",
+    "edge-length",
+];
+
+/// The metric of that name ([`ErrorMetric::name`]), with its defaults; `None` for a name not among [`NAMES`].
+pub fn by_name(name: &str) -> Option<Box<dyn ErrorMetric>> {
+    Some(match name {
+        "quadric" => Box::new(Quadric::new()),
+        "memoryless-quadric" => Box::new(MemorylessQuadric::new()),
+        "lindstrom-turk" => Box::new(LindstromTurk::new()),
+        "volume-area" => Box::new(VolumeArea::new()),
+        "unsigned-volume" => Box::new(UnsignedVolume::new()),
+        "hybrid" => Box::new(Hybrid::new()),
+        "progressive-mesh" => Box::new(ProgressiveMeshMetric::new()),
+        "edge-length" => Box::new(EdgeLength::new()),
+        _ => return None,
+    })
+}

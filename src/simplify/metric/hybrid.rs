@@ -1,0 +1,63 @@
+//! Swept volume times the largest turn of a normal (Southern 3.2.4, E_hybrid = E_uvol E_norm).
+//!
+//! `E_norm = max (1 - o . n)` over the triangles that survive, `o` and `n` their unit normals before and after: 0 where
+//! none turns, 1 at a right angle, 2 upside down. Removed triangles have no normal afterwards and do not count.
+
+use glam::{DVec3, Vec3};
+
+use super::region::{Facet, at, cheapest_place, finite, for_lost, for_region};
+use super::unsigned_volume::{swept, swept_to_kept};
+use super::{Batch, ErrorMetric, Pair};
+use crate::simplify::surface::Surface;
+
+/// The unsigned swept volume times the largest deviation of a normal.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hybrid;
+
+impl Hybrid {
+    /// The metric.
+    pub fn new() -> Self {
+        Self
+    }
+}
+
+/// How much the collapse to `x` turns a triangle. One without area before cannot turn; one without area afterwards
+/// counts as a right angle.
+fn turn(facet: &Facet, x: DVec3) -> f64 {
+    let (old, new) = (facet.cross(), facet.cross_at(x));
+    let lengths = (old.length_squared() * new.length_squared()).sqrt();
+    if !facet.survives || old == DVec3::ZERO {
+        0.0
+    } else if lengths > 0.0 {
+        // Rounding must not make a flat neighbourhood cheaper than free.
+        (1.0 - old.dot(new) / lengths).clamp(0.0, 2.0)
+    } else {
+        1.0
+    }
+}
+
+impl ErrorMetric for Hybrid {
+    fn name(&self) -> &'static str {
+        "hybrid"
+    }
+
+    fn begin(&mut self, _: &Surface, _: Batch) {}
+
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        let x = Vec3::from(position).as_dvec3();
+        let mut largest: f64 = 0.0;
+        for_region(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
+        finite(swept(surface, pair, x) * largest)
+    }
+
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        let x = at(surface, pair.kept);
+        let mut largest: f64 = 0.0;
+        for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
+        finite(swept_to_kept(surface, pair) * largest)
+    }
+
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+}

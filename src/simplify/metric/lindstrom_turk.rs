@@ -1,0 +1,168 @@
+//! Volume, boundary and shape objectives, without memory (Lindstrom and Turk 1998).
+//!
+//! ```text
+//! the position solves, in this order, whatever is compatible with what came before (1 degree):
+//!   volume preservation     sum of the signed volumes swept = 0
+//!   boundary preservation   the signed areas swept by the border sum to the shortest vector
+//!   optimisation            1/2 f_V + 1/2 L^2 f_B least; f_V the squared volumes, f_B the squared areas, L the length
+//!   triangle shape          the squared lengths of the new edges least: only where all above leave a choice (planes)
+//! cost = 1/2 f_V + 1/2 L^2 f_B
+//! ```
+//!
+//! All volumes come from the sums of `stars.rs`; borders and feature edges are rare and are walked.
+
+use glam::{DVec3, Vec3};
+
+use super::region::{at, finite, for_border_edges, for_region};
+use super::solve::{Constraints, Symmetric, minimise_on_plane};
+use super::stars::{Stars, Sum, Weight};
+use super::{Batch, ErrorMetric, Pair};
+use crate::simplify::surface::Surface;
+
+/// 1/2 of the squared volume (a sixth of the product, squared).
+const VOLUME: f64 = 0.5 / 36.0;
+/// 1/2 of the squared area (half of the product, squared).
+const BOUNDARY: f64 = 0.5 / 4.0;
+/// Costs are squared volumes: 2^60 keeps them clear of the smallest numbers of single precision on any mesh.
+const SCALE: f64 = (1u64 << 60) as f64 * VOLUME;
+
+/// The metric of Lindstrom and Turk. Made for [`Placement::Optimal`](crate::simplify::Placement::Optimal), where closed
+/// meshes keep their volume.
+#[derive(Debug, Clone)]
+pub struct LindstromTurk {
+    stars: Stars,
+}
+
+impl Default for LindstromTurk {
+    fn default() -> Self {
+        Self { stars: Stars::new(Weight::Volume, 0.0) }
+    }
+}
+
+impl LindstromTurk {
+    /// The metric, with the paper's weights (1/2 and 1/2).
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Volumes and borders of a candidate with a point on a border, relative to the lost point.
+    #[cold]
+    fn at_border(&self, surface: &Surface, pair: Pair) -> (Sum, Border) {
+        let mut sum = self.stars.region(surface, pair);
+        let border = Border::new(surface, pair);
+        let length2 = (at(surface, pair.kept) - at(surface, pair.lost)).length_squared();
+        let weight = BOUNDARY / VOLUME * length2;
+        sum.h.add(&border.h.scaled(weight));
+        sum.c += weight * border.c;
+        sum.constant += weight * border.constant;
+        (sum, border)
+    }
+}
+
+#[inline]
+fn is_at_border(surface: &Surface, pair: Pair) -> bool {
+    surface.is_border(pair.lost) | surface.is_border(pair.kept)
+}
+
+/// The areas that border edges sweep, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
+/// `e = q - p` and `s = p * q`, where * is the vector product.
+#[derive(Debug, Clone, Copy, Default)]
+struct Border {
+    e: DVec3,
+    s: DVec3,
+    h: Symmetric,
+    c: DVec3,
+    constant: f64,
+}
+
+impl Border {
+    #[cold]
+    fn new(surface: &Surface, pair: Pair) -> Self {
+        let mut border = Self::default();
+        let origin = at(surface, pair.lost);
+        for_border_edges(surface, pair, |p, q| {
+            let (p, q) = (p - origin, q - origin);
+            let (e, s) = (q - p, p.cross(q));
+            border.e += e;
+            border.s += s;
+            // |s - x * e|^2 = x'(|e|^2 - ee')x - 2 (e * s).x + |s|^2
+            border.h.add(&Symmetric::identity(e.length_squared()));
+            border.h.subtract_outer(e);
+            border.c += e.cross(s);
+            border.constant += s.length_squared();
+        });
+        border
+    }
+
+    /// Two conditions that put the point on the line along `e` where the summed area vector is shortest.
+    fn preserve(&self, constraints: &mut Constraints) {
+        let toward = self.e.cross(self.s);
+        constraints.add(toward, toward.length_squared() / self.e.length_squared().max(f64::MIN_POSITIVE));
+        constraints.add(self.e.cross(toward), 0.0);
+    }
+}
+
+impl ErrorMetric for LindstromTurk {
+    fn name(&self) -> &'static str {
+        "lindstrom-turk"
+    }
+
+    fn begin(&mut self, surface: &Surface, _: Batch) {
+        self.stars.build(surface);
+    }
+
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
+        let sum = if is_at_border(surface, pair) {
+            self.at_border(surface, pair).0
+        } else {
+            self.stars.region(surface, pair)
+        };
+        finite(sum.at(x) * SCALE)
+    }
+
+    #[inline]
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        if is_at_border(surface, pair) {
+            let (sum, border) = self.at_border(surface, pair);
+            return place(surface, pair, &sum, Some(&border));
+        }
+        let sum = self.stars.region(surface, pair);
+        match minimise_on_plane(&sum.h, sum.c, sum.normals, sum.offset) {
+            Some(x) => Some(placed(surface, pair, &sum, x)),
+            None => place(surface, pair, &sum, None),
+        }
+    }
+
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        self.stars.update(surface, pair.kept);
+    }
+}
+
+/// The position with all conditions taken in order.
+#[cold]
+fn place(surface: &Surface, pair: Pair, sum: &Sum, border: Option<&Border>) -> Option<([f32; 3], f32)> {
+    let mut constraints = Constraints::default();
+    constraints.add(sum.normals, sum.offset);
+    if let Some(border) = border {
+        border.preserve(&mut constraints);
+    }
+    constraints.minimise(&sum.h, sum.c);
+    if !constraints.is_full() {
+        let origin = at(surface, pair.lost);
+        let (mut around, mut count) = (DVec3::ZERO, 0.0);
+        for_region(surface, pair, |facet| {
+            if facet.survives {
+                around += facet.q + facet.r - 2.0 * origin;
+                count += 2.0;
+            }
+        });
+        constraints.minimise(&Symmetric::identity(count), around);
+    }
+    constraints.point().map(|x| placed(surface, pair, sum, x))
+}
+
+#[inline]
+fn placed(surface: &Surface, pair: Pair, sum: &Sum, x: DVec3) -> ([f32; 3], f32) {
+    ((at(surface, pair.lost) + x).as_vec3().into(), finite(sum.at(x) * SCALE))
+}

@@ -1,0 +1,79 @@
+//! A metric that may be another one in each batch (Southern 3.3): cheap and even first, careful later, or as it likes.
+
+use std::fmt;
+
+use super::{Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions};
+use crate::simplify::surface::Surface;
+
+/// A metric chosen anew for each batch.
+///
+/// ```
+/// use multires::simplify::metric::{EdgeLength, ErrorMetric, PerBatch, Quadric};
+///
+/// let metric = PerBatch::new(|batch| -> Box<dyn ErrorMetric> {
+///     if batch.triangles > 10_000 { Box::new(EdgeLength::new()) } else { Box::new(Quadric::new()) }
+/// });
+/// ```
+///
+/// Every batch starts with a new metric: what accumulates, as [`Quadric`](super::Quadric), starts from the mesh as it is
+/// then. In linear order there is one batch.
+pub struct PerBatch {
+    choose: Box<dyn FnMut(Batch) -> Box<dyn ErrorMetric> + Send + Sync>,
+    current: Box<dyn ErrorMetric>,
+}
+
+impl fmt::Debug for PerBatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PerBatch").field("current", &self.current.name()).finish_non_exhaustive()
+    }
+}
+
+impl PerBatch {
+    /// The metric that `choose` makes for each batch.
+    pub fn new(choose: impl FnMut(Batch) -> Box<dyn ErrorMetric> + Send + Sync + 'static) -> Self {
+        Self { choose: Box::new(choose), current: Box::new(EdgeLength) }
+    }
+}
+
+impl ErrorMetric for PerBatch {
+    fn name(&self) -> &'static str {
+        "per-batch"
+    }
+
+    fn begin(&mut self, surface: &Surface, batch: Batch) {
+        self.current = (self.choose)(batch);
+        self.current.begin(surface, batch);
+    }
+
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        self.current.cost(surface, pair, position)
+    }
+
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        self.current.cost_at_kept(surface, pair)
+    }
+
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        self.current.optimum(surface, pair)
+    }
+
+    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+        self.current.collapsing(surface, pair, position);
+    }
+
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        self.current.collapsed(surface, pair);
+    }
+
+    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+        self.current.substituting(surface, substitutions);
+    }
+
+    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+        self.current.cost_per_deviation(surface, pair)
+    }
+
+    fn dependence(&self) -> Dependence {
+        self.current.dependence()
+    }
+}

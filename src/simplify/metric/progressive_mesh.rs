@@ -1,0 +1,130 @@
+//! Squared distances to the planes around plus springs (Southern 3.2.1, after Hoppe 1996).
+//!
+//! ```text
+//!   E(x) = sum over triangles around both  (n . (x - p) / |n|)^2  +  kappa * sum over the points around  |x - w|^2
+//! ```
+//!
+//! The distance divides by |n|; the paper's text divides by |n . q|, which would always give 1. Springs keep triangles
+//! well shaped where the surface is flat; Hoppe lets them fade as the mesh gets coarser, hence the schedule.
+
+use std::fmt;
+
+use glam::{DVec3, Vec3};
+
+use super::region::{at, finite, for_region};
+use super::solve::{Symmetric, nearest_minimum};
+use super::stars::{Stars, Sum, Weight};
+use super::{Batch, ErrorMetric, Pair};
+use crate::simplify::surface::Surface;
+
+/// Weight of the planes upright on borders and feature edges against that of a triangle's plane.
+const UPRIGHT: f64 = 4.0;
+
+/// Distances to planes plus springs.
+pub struct ProgressiveMeshMetric {
+    stars: Stars,
+    kappa: f64,
+    schedule: Option<Box<dyn Fn(Batch) -> f32 + Send + Sync>>,
+}
+
+impl Default for ProgressiveMeshMetric {
+    /// kappa = 1e-5.
+    fn default() -> Self {
+        Self { stars: Stars::new(Weight::One, UPRIGHT), kappa: 1e-5, schedule: None }
+    }
+}
+
+impl fmt::Debug for ProgressiveMeshMetric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ProgressiveMeshMetric").field("kappa", &self.kappa).finish_non_exhaustive()
+    }
+}
+
+impl ProgressiveMeshMetric {
+    /// The metric.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How stiff the springs are, 0 (none) and up; anything else counts as 0. Squared lengths against squared distances:
+    /// no unit. Default 0.00001: enough to decide on planes.
+    #[must_use]
+    pub fn with_kappa(mut self, kappa: f32) -> Self {
+        self.kappa = stiffness(kappa);
+        self.schedule = None;
+        self
+    }
+
+    /// The stiffness of each batch, asked for when it begins; the same range.
+    #[must_use]
+    pub fn with_schedule(mut self, schedule: impl Fn(Batch) -> f32 + Send + Sync + 'static) -> Self {
+        self.schedule = Some(Box::new(schedule));
+        self
+    }
+
+    /// Distances and springs, relative to the lost point.
+    fn region(&self, surface: &Surface, pair: Pair) -> Sum {
+        let mut sum = self.stars.region(surface, pair);
+        if self.kappa > 0.0 {
+            let origin = at(surface, pair.lost);
+            let springs = springs(surface, pair, origin);
+            sum.h.add(&springs.h.scaled(self.kappa));
+            sum.c += self.kappa * springs.c;
+            sum.constant += self.kappa * springs.constant;
+        }
+        sum
+    }
+}
+
+fn stiffness(kappa: f32) -> f64 {
+    if kappa.is_finite() && kappa > 0.0 { f64::from(kappa) } else { 0.0 }
+}
+
+/// One spring from every point around the region, relative to `origin`. Each edge opposite one of the ends carries half
+/// of the springs of its points: around an interior edge every point lies on two of them and is counted once.
+fn springs(surface: &Surface, pair: Pair, origin: DVec3) -> Sum {
+    let mut sum = Sum::default();
+    let mut add = |w: DVec3| {
+        let w = w - origin;
+        sum.h.add(&Symmetric::identity(0.5));
+        sum.c += 0.5 * w;
+        sum.constant += 0.5 * w.length_squared();
+    };
+    for_region(surface, pair, |facet| {
+        if facet.survives {
+            add(facet.q);
+            add(facet.r);
+        }
+    });
+    sum
+}
+
+impl ErrorMetric for ProgressiveMeshMetric {
+    fn name(&self) -> &'static str {
+        "progressive-mesh"
+    }
+
+    fn begin(&mut self, surface: &Surface, batch: Batch) {
+        if let Some(schedule) = &self.schedule {
+            self.kappa = stiffness(schedule(batch));
+        }
+        self.stars.build(surface);
+    }
+
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
+        finite(self.region(surface, pair).at(x))
+    }
+
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        let sum = self.region(surface, pair);
+        let lost = at(surface, pair.lost);
+        let middle = 0.5 * (at(surface, pair.kept) - lost);
+        let x = middle + nearest_minimum(&sum.h, sum.h.times(middle) - sum.c);
+        Some(((lost + x).as_vec3().into(), finite(sum.at(x))))
+    }
+
+    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+        self.stars.update(surface, pair.kept);
+    }
+}

@@ -1,0 +1,131 @@
+//! The triangles that a collapse removes or changes (Southern's TOP and BOT), each once, and sums over them.
+//!
+//! ```text
+//!         w1 --- w2              both ends' triangles: all are input to the costs.
+//!        /  \  /   \             The two on the edge vanish, the others follow their corner
+//!      w0 -- u === v -- w3       to the new position x.
+//!        \  /  \   /
+//!         w5 --- w4
+//! ```
+
+use glam::{DVec3, Vec3};
+
+use super::Pair;
+use super::solve::{Symmetric, nearest_minimum};
+use crate::simplify::surface::Surface;
+
+/// One triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Facet {
+    pub p: DVec3,
+    pub q: DVec3,
+    pub r: DVec3,
+    /// Whether it is still there after the collapse, with the new position in place of `p`.
+    pub survives: bool,
+}
+
+impl Facet {
+    /// The normal, as long as twice the area.
+    #[inline]
+    pub fn cross(&self) -> DVec3 {
+        (self.q - self.p).cross(self.r - self.p)
+    }
+
+    /// The same after the collapse.
+    #[inline]
+    pub fn cross_at(&self, x: DVec3) -> DVec3 {
+        (self.q - x).cross(self.r - x)
+    }
+}
+
+/// Calls `visit` with the triangles around the lost point; those on the edge do not survive.
+#[inline]
+pub(super) fn for_lost(surface: &Surface, pair: Pair, visit: impl FnMut(Facet)) {
+    for_star(surface, pair.lost, pair.kept, true, visit);
+}
+
+/// Calls `visit` with the triangles around either point, each once.
+#[inline]
+pub(super) fn for_region(surface: &Surface, pair: Pair, mut visit: impl FnMut(Facet)) {
+    for_star(surface, pair.lost, pair.kept, true, &mut visit);
+    for_star(surface, pair.kept, pair.lost, false, visit);
+}
+
+#[inline]
+fn for_star(surface: &Surface, point: u32, other: u32, on_edge: bool, mut visit: impl FnMut(Facet)) {
+    let p = at(surface, point);
+    for corner in surface.star(point) {
+        let survives = !corner.others.contains(&other);
+        if survives || on_edge {
+            let [q, r] = corner.others.map(|o| at(surface, o));
+            visit(Facet { p, q, r, survives });
+        }
+    }
+}
+
+/// The position of a point in double precision.
+#[inline]
+pub(super) fn at(surface: &Surface, point: u32) -> DVec3 {
+    surface.at(point).as_dvec3()
+}
+
+/// Calls `visit` with the ends of every border edge at either point that the collapse moves, as its triangle runs
+/// through it, each once; the edge between the two is among them where it is one.
+pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
+    for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
+        if !surface.is_border(point) {
+            continue;
+        }
+        let p = at(surface, point);
+        for corner in surface.star(point) {
+            let [a, b] = corner.others;
+            for (end, leaves) in [(a, true), (b, false)] {
+                let again = end == other && point == pair.kept;
+                let is_single = |end| surface.star(point).filter(|c| c.others.contains(&end)).count() == 1;
+                if surface.is_border(end) && !again && is_single(end) {
+                    let q = at(surface, end);
+                    if leaves { visit(p, q) } else { visit(q, p) }
+                }
+            }
+        }
+    }
+}
+
+/// A cost fit for the queue: not negative, finite, a number.
+#[inline]
+pub(super) fn finite(cost: f64) -> f32 {
+    if cost > 0.0 { cost.min(f64::from(f32::MAX)) as f32 } else { 0.0 }
+}
+
+/// The cheapest of a few places for the merged point, for metrics whose minimum has no formula: its ends, the middle,
+/// and where the swept volume is least in the square sense.
+pub(super) fn cheapest_place(
+    surface: &Surface,
+    pair: Pair,
+    cost: impl Fn([f32; 3]) -> f32,
+) -> Option<([f32; 3], f32)> {
+    let (lost, kept) = (surface.at(pair.lost), surface.at(pair.kept));
+    let middle = 0.5 * (lost + kept);
+    let mut best: Option<(Vec3, f32)> = None;
+    for x in [least_volume(surface, pair), middle, kept, lost] {
+        let c = cost(x.into());
+        if x.is_finite() && best.is_none_or(|(_, least)| c < least) {
+            best = Some((x, c));
+        }
+    }
+    best.map(|(x, c)| (x.into(), c))
+}
+
+/// Where the sum of squared volumes between the point and the region's triangles is least; near the middle of the edge
+/// as far as that leaves a choice.
+fn least_volume(surface: &Surface, pair: Pair) -> Vec3 {
+    let origin = at(surface, pair.lost);
+    let middle = 0.5 * (at(surface, pair.kept) - origin);
+    let (mut h, mut gradient) = (Symmetric::ZERO, DVec3::ZERO);
+    for_region(surface, pair, |facet| {
+        let n = facet.cross();
+        h.add_outer(n);
+        gradient += n * n.dot(middle - (facet.p - origin));
+    });
+    (origin + middle + nearest_minimum(&h, gradient)).as_vec3()
+}

@@ -1,0 +1,61 @@
+//! The volume between the old and the new surface, without signs (Southern 3.2.4, E_uvol).
+//!
+//! ```text
+//!            x            each triangle around the edge spans a tetrahedron with the new position;
+//!          / | \          the sum of their volumes is what the surface sweeps over
+//!        a --|-- b
+//!          \ | /
+//!            c
+//! ```
+
+use glam::{DVec3, Vec3};
+
+use super::region::{at, cheapest_place, finite, for_lost, for_region};
+use super::{Batch, ErrorMetric, Pair};
+use crate::simplify::surface::Surface;
+
+/// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct UnsignedVolume;
+
+impl UnsignedVolume {
+    /// The metric.
+    pub fn new() -> Self {
+        Self
+    }
+}
+
+/// The unsigned volume swept when both points go to `x`.
+pub(super) fn swept(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
+    let mut sum = 0.0;
+    for_region(surface, pair, |facet| sum += facet.cross().dot(x - facet.p).abs());
+    sum / 6.0
+}
+
+/// The same where `lost` goes to `kept`: the triangles around `kept` sweep nothing.
+pub(super) fn swept_to_kept(surface: &Surface, pair: Pair) -> f64 {
+    let x = at(surface, pair.kept);
+    let mut sum = 0.0;
+    for_lost(surface, pair, |facet| sum += facet.cross().dot(x - facet.p).abs());
+    sum / 6.0
+}
+
+impl ErrorMetric for UnsignedVolume {
+    fn name(&self) -> &'static str {
+        "unsigned-volume"
+    }
+
+    fn begin(&mut self, _: &Surface, _: Batch) {}
+
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        finite(swept(surface, pair, Vec3::from(position).as_dvec3()))
+    }
+
+    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+        finite(swept_to_kept(surface, pair))
+    }
+
+    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+}

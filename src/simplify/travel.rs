@@ -1,0 +1,35 @@
+//! How far input points have travelled: the error that costs nothing to know.
+//!
+//! Every point carries the largest distance of an input point that was merged into it. The map that takes each input
+//! triangle to its image is linear on it, so no point of the input moves further than the farthest of its corners: the
+//! distance travelled bounds the distance between input and level, in both directions, and how far a texture slides.
+
+use glam::Vec3;
+
+use super::metric::Pair;
+use super::surface::Surface;
+
+/// Per point the largest distance of an input point merged into it, inner units.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Travel {
+    reach: Vec<f32>,
+}
+
+impl Travel {
+    pub fn new(surface: &Surface) -> Self {
+        Self { reach: vec![0.0; surface.point_count()] }
+    }
+
+    /// The reach of the merged point, by the triangle inequality; rounded up.
+    pub fn measure(&self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+        let of = |point: u32| self.reach[point as usize] + surface.at(point).distance(x) * (1.0 + 1e-6);
+        of(pair.lost).max(of(pair.kept))
+    }
+
+    /// Takes the merge down.
+    pub fn merge(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+        let reach = self.measure(surface, pair, x);
+        self.reach[pair.kept as usize] = reach;
+        reach
+    }
+}
