@@ -176,35 +176,10 @@ impl Recorder {
         self.substitutions.len()
     }
 
-<<<<<<< HEAD
-    /// The vertices that sit at a point now.
-    fn wedges_of(&self, point: u32) -> Vec<u32> {
-        if let Some(&first) = self.renewed.get(point as usize).filter(|&&first| first != NONE) {
-            let chain = std::iter::successors(Some(first), |&i| {
-                Some(self.next_new[i as usize + 1]).filter(|&n| n != NONE)
-            });
-            return chain.map(|i| self.next_new[i as usize]).collect();
-        }
-        let [a, b] = [point as usize, point as usize + 1].map(|i| self.wedge_start[i] as usize);
-        self.wedges[a..b].to_vec()
-    }
-
-    fn renew(&mut self, point: u32, vertices: Vec<u32>) {
-        if self.renewed.is_empty() {
-            self.renewed = vec![NONE; self.wedge_start.len() - 1];
-        }
-        let mut next = NONE;
-        for &v in vertices.iter().rev() {
-            self.next_new.extend([v, next]);
-            next = self.next_new.len() as u32 - 2;
-        }
-        self.renewed[point as usize] = next;
-=======
     /// Where the vertices that sit at a point now are listed.
     fn wedges_of(&self, point: u32) -> Range<usize> {
         let [start, count] = self.spans[point as usize].map(|i| i as usize);
         start..start + count
->>>>>>> main
     }
 
     /// Ends the step: what it cost and what vanished.
