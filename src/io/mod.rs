@@ -34,7 +34,7 @@ mod text;
 use std::fmt;
 use std::path::Path;
 
-pub use baked::{BakeError, bake, baked_kind, read_baked, unbake, write_baked};
+pub use baked::{BakeError, VERSION as BAKED_VERSION, bake, baked_kind, read_baked, unbake, write_baked};
 pub use error::{Place, ReadError, WriteError};
 
 use crate::mesh::Mesh;

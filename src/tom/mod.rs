@@ -21,6 +21,7 @@
 //! | `extract.rs` | the indices of a resolution, whole or by material |
 //! | `geomorph.rs` | where vertices move between two resolutions |
 //! | `steps.rs` | [`TomSteps`]: the corners that every step rewrites |
+//! | `bundle.rs` | [`TomMesh`]: the structure with its vertices, as baked to a file |
 //! | `cursor.rs` | [`TomCursor`]: one drawn instance, moved for the cost of the difference |
 //! | `validate.rs` | [`TomParts`] in and out, all promises checked |
 //!
@@ -50,6 +51,7 @@
 //! ```
 
 mod build;
+mod bundle;
 mod cursor;
 mod error;
 mod extract;
@@ -59,6 +61,7 @@ mod steps;
 mod validate;
 
 pub use build::TomBuild;
+pub use bundle::TomMesh;
 pub use cursor::{Change, TomCursor};
 pub use error::TomError;
 pub use extract::MaterialRange;

@@ -1,0 +1,91 @@
+//! What is read and written: reasons that name the file, and outputs that are checked before the work starts.
+
+use std::path::Path;
+
+use multires::io::{self, BakeError, Format, Imported, ReadError, ReadOptions};
+use multires::mesh::Mesh;
+use multires::tom::TomMesh;
+use serde_json::{Value, json};
+
+use crate::output::Failure;
+
+/// Reads a mesh file.
+pub fn read_mesh(path: &Path) -> Result<Imported, Failure> {
+    io::read_with(path, &ReadOptions::default()).map_err(|error| match error {
+        ReadError::Io { .. } | ReadError::UnknownFormat { .. } => Failure::input(error),
+        _ => Failure::Input(format!("{}: {error}", path.display())),
+    })
+}
+
+/// Reads a baked totally ordered mesh.
+pub fn read_tom(path: &Path) -> Result<TomMesh, Failure> {
+    io::read_baked(path, TomMesh::KIND).map_err(|error| baked(path, &error))
+}
+
+/// A reason that names the file once.
+pub fn baked(path: &Path, error: &BakeError) -> Failure {
+    match error {
+        BakeError::Io { .. } => Failure::input(error),
+        _ => Failure::Input(format!("{}: {error}", path.display())),
+    }
+}
+
+/// A mesh file to be written, of a format that can be.
+pub fn check_mesh_output(path: &Path) -> Result<(), Failure> {
+    if Format::from_path(path).is_none() {
+        return Err(Failure::Usage(format!(
+            "{}: the extension is none of .obj, .ply, .stl, .off, .glb, .gltf",
+            path.display()
+        )));
+    }
+    check_place(path)
+}
+
+/// A baked file to be written.
+pub fn check_baked_output(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mres")) {
+        return Err(Failure::Usage(format!("{}: the extension is not .mres", path.display())));
+    }
+    check_place(path)
+}
+
+/// Says before the work what would be said after it.
+fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() {
+        Err(Failure::Input(format!("{}: is a folder", path.display())))
+    } else if !folder.is_dir() {
+        Err(Failure::Input(format!("{}: there is no such folder", folder.display())))
+    } else {
+        Ok(())
+    }
+}
+
+/// Writes a mesh, whole or not at all.
+pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), Failure> {
+    io::write(path, mesh).map_err(|error| match error {
+        io::WriteError::Io { .. } | io::WriteError::UnknownFormat { .. } => Failure::input(error),
+        _ => Failure::Input(format!("{}: {error}", path.display())),
+    })
+}
+
+/// The bytes of a file; 0 where that cannot be said.
+pub fn size(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |m| m.len())
+}
+
+/// A file and the mesh in it, for JSON.
+pub fn describe(path: &Path, mesh: &Mesh) -> Value {
+    json!({
+        "path": path.display().to_string(),
+        "bytes": size(path),
+        "vertices": mesh.positions().len(),
+        "triangles": mesh.triangles().len(),
+    })
+}
+
+/// The same for people.
+pub fn describe_text(path: &Path, mesh: &Mesh) -> String {
+    let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
+    format!("{}: {vertices} vertices, {triangles} triangles", path.display())
+}

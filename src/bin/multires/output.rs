@@ -1,0 +1,132 @@
+//! What a command says and how it ends: text or one JSON object on stdout, warnings and reasons on stderr.
+//!
+//! Nothing here panics where a stream is closed: a reader that has seen enough is no error.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+/// A command with its arguments.
+pub trait Run {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Whose fault it is, and why; nothing was written then.
+    fn run(&self) -> Result<Answer, Failure>;
+}
+
+/// What a command found or did.
+pub struct Answer {
+    /// For programs: an object.
+    pub json: Value,
+    /// For people; lines without the last line end.
+    pub text: String,
+    /// One line each, said on stderr in both cases.
+    pub warnings: Vec<String>,
+}
+
+/// Why a command did nothing.
+pub enum Failure {
+    /// A file cannot be read, used or written: exit code 1.
+    Input(String),
+    /// The arguments do not fit together: exit code 2.
+    Usage(String),
+}
+
+impl Failure {
+    /// A file is at fault.
+    pub fn input(reason: impl ToString) -> Self {
+        Self::Input(reason.to_string())
+    }
+}
+
+/// Says an answer.
+pub fn answer(answer: &Answer, json: bool) -> ExitCode {
+    for warning in &answer.warnings {
+        complain("warning", warning);
+    }
+    let text = if json { answer.json.to_string() } else { answer.text.clone() };
+    match say(&text) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            complain("error", &format!("standard output: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Says why nothing was done.
+pub fn failure(reason: &str, json: bool) -> ExitCode {
+    complain("error", reason);
+    if json {
+        let _ = say(&json!({ "error": one_line(reason) }).to_string());
+    }
+    ExitCode::FAILURE
+}
+
+/// Says what is wrong with the arguments, or the help or version that was asked for.
+pub fn usage(error: &clap::Error, json: bool) -> ExitCode {
+    let _ = error.print();
+    if json && error.use_stderr() {
+        let text = error.to_string();
+        let reason = text.lines().next().unwrap_or_default();
+        let _ = say(&json!({ "error": reason.strip_prefix("error: ").unwrap_or(reason) }).to_string());
+    }
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
+
+fn say(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{text}")?;
+    out.flush()
+}
+
+/// One line on stderr; where even that is closed there is no one to tell.
+fn complain(kind: &str, reason: &str) {
+    let _ = writeln!(io::stderr().lock(), "{kind}: {}", one_line(reason));
+}
+
+/// Paths and names from files may hold anything.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// A table of labels and values, aligned.
+#[derive(Default)]
+pub struct Table {
+    lines: Vec<String>,
+}
+
+impl Table {
+    /// One more line.
+    pub fn row(&mut self, label: &str, value: impl std::fmt::Display) -> &mut Self {
+        self.lines.push(one_line(&format!("{label:<20} {value}")));
+        self
+    }
+
+    /// Lines as they are.
+    pub fn block(&mut self, text: impl std::fmt::Display) -> &mut Self {
+        self.lines.push(text.to_string());
+        self
+    }
+
+    /// All lines.
+    pub fn text(&self) -> String {
+        self.lines.join("\n")
+    }
+}
+
+/// A length in percent of another; `None` (in JSON: null) where that is 0 or makes no number.
+pub fn percent(part: f64, whole: f64) -> Option<f64> {
+    Some(100.0 * part / whole).filter(|p| p.is_finite())
+}
+
+/// An error bound for people.
+pub fn error_text(error: f64, percent: Option<f64>) -> String {
+    match percent {
+        Some(percent) => format!("{error:.6} ({percent:.4} % of the diagonal)"),
+        None => format!("{error:.6}"),
+    }
+}

@@ -1,0 +1,38 @@
+//! Progress on stderr, where that is a terminal; nothing anywhere else.
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Parts that the bar has.
+const PARTS: u64 = 1000;
+
+/// A bar that goes away when it is dropped.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// A bar at the start of a stage.
+    pub fn new(stage: &'static str) -> Self {
+        let visible = std::io::stderr().is_terminal();
+        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(PARTS), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:<12} [{bar:40}] {percent:>3} % {elapsed}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_message(stage);
+        Self(bar)
+    }
+
+    /// How far a simplification is; never asks to stop.
+    pub fn show(&self, progress: multires::simplify::Progress) -> ControlFlow<()> {
+        self.0.set_position((f64::from(progress.fraction()) * PARTS as f64) as u64);
+        ControlFlow::Continue(())
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

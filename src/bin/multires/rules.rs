@@ -1,0 +1,308 @@
+//! How to simplify: the arguments that `simplify` and `build` have in common, and the simplifier that they ask for.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use multires::mesh::Mesh;
+use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
+use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
+use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use serde_json::{Value, json};
+
+use crate::output::Failure;
+
+/// Metrics whose costs are areas times squared distances, as attribute deviations are.
+const QUADRICS: [&str; 2] = ["quadric", "memoryless-quadric"];
+
+/// What stands for material ids where attributes are named.
+const MATERIAL: &str = "material";
+
+#[derive(Args)]
+pub struct Rules {
+    /// What a collapse costs.
+    #[arg(long, value_name = "M", default_value = "quadric", value_parser = metric_name())]
+    pub metric: String,
+    /// Where the merged vertex goes: half-way, at one end (no new vertices), the better of these, or where the metric is
+    /// least [default: optimal for lindstrom-turk, else endpoint].
+    #[arg(long, value_name = "P", value_enum)]
+    pub placement: Option<Place>,
+    /// Always the cheapest collapse next, or batches of independent ones.
+    #[arg(long, value_name = "O", value_enum, default_value_t = Sequence::Linear)]
+    pub order: Sequence,
+    /// What the error is: how far points have travelled (quick, loose), their distance from the surface, or that and
+    /// collapses that turn out worse than foreseen put off (closest, slowest; for the quadric metric).
+    #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Measured)]
+    pub error_measure: Measure,
+    /// Whether attributes steer the collapses: off, on (normals, texture coordinates and colours with the customary
+    /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth. For the
+    /// quadric metrics.
+    #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "off", value_parser = Weights::parse)]
+    pub attributes: Weights,
+    /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub drop: Vec<String>,
+    /// Neither move nor remove vertices on open borders.
+    #[arg(long)]
+    pub lock_borders: bool,
+    /// Let parts that are at most this far apart (object units) grow together.
+    #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative)]
+    pub join_distance: f64,
+    /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
+    #[arg(long, value_name = "A", default_value_t = 75.0, value_parser = degrees)]
+    pub max_turn: f64,
+    /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
+    #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
+    pub min_quality: f64,
+}
+
+/// Where the merged vertex goes.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Place {
+    Midpoint,
+    Endpoint,
+    Subset,
+    Optimal,
+}
+
+/// In which order collapses are done.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sequence {
+    Linear,
+    Batched,
+}
+
+/// What the error of a level is.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Measure {
+    Travel,
+    Measured,
+    Verified,
+}
+
+/// Which attributes count.
+#[derive(Clone)]
+pub enum Weights {
+    Off,
+    Customary,
+    Chosen(Vec<(String, f32)>),
+}
+
+impl Weights {
+    fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "off" => return Ok(Self::Off),
+            "on" => return Ok(Self::Customary),
+            _ => {}
+        }
+        let one = |part: &str| {
+            let (name, weight) = part.split_once('=').ok_or(format!("{part:?} is not NAME=WEIGHT"))?;
+            Ok((name.to_owned(), not_negative(weight)? as f32))
+        };
+        text.split(',').map(one).collect::<Result<_, String>>().map(Self::Chosen)
+    }
+}
+
+impl Place {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Endpoint => "endpoint",
+            Self::Subset => "subset",
+            Self::Optimal => "optimal",
+        }
+    }
+}
+
+impl Rules {
+    /// What does not fit together, whatever the mesh.
+    pub fn check(&self) -> Result<(), Failure> {
+        if !matches!(self.attributes, Weights::Off) && !QUADRICS.contains(&self.metric.as_str()) {
+            let fit = QUADRICS.join(" or ");
+            return Err(Failure::Usage(format!("--attributes needs --metric {fit}, not {}", self.metric)));
+        }
+        Ok(())
+    }
+
+    /// Where the merged vertex goes, as asked for or as suits the metric.
+    pub fn place(&self) -> Place {
+        let suits = if self.metric == "lindstrom-turk" { Place::Optimal } else { Place::Endpoint };
+        self.placement.unwrap_or(suits)
+    }
+
+    /// The mesh without what is to be left out.
+    pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        if self.drop.is_empty() {
+            return Ok(mesh);
+        }
+        let is_dropped = |name: &str| self.drop.iter().any(|d| d == name);
+        let there = |name: &String| name == MATERIAL || mesh.attribute(name).is_some();
+        if let Some(name) = self.drop.iter().find(|name| !there(name)) {
+            return Err(Failure::Input(format!("--drop: the mesh has no attribute named {name:?}")));
+        }
+        let kept = if is_dropped(MATERIAL) { &[][..] } else { mesh.materials() };
+        let mut result = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
+        result = result.with_materials(kept).map_err(Failure::input)?;
+        result = result.with_locks(mesh.locks()).map_err(Failure::input)?;
+        if !kept.is_empty() {
+            result = result.with_material_names(mesh.material_names());
+        }
+        for attribute in mesh.attributes().iter().filter(|a| !is_dropped(a.name())) {
+            result = result.with_attribute(attribute.clone()).map_err(Failure::input)?;
+        }
+        Ok(result)
+    }
+
+    /// The simplifier asked for, with no target yet.
+    pub fn simplifier(&self, mesh: &Mesh, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
+        let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
+        let base = metric::by_name(&self.metric).ok_or_else(unknown)?;
+        let weighed = match &self.attributes {
+            Weights::Off => None,
+            Weights::Customary => Some(Attributes::customary(mesh)),
+            Weights::Chosen(list) => {
+                Some(list.iter().fold(Attributes::new(mesh), |all, (name, weight)| all.custom(name, *weight)))
+            }
+        };
+        let metric = match weighed {
+            Some(attributes) => Box::new(WithAttributes::with(base, &attributes).map_err(Failure::input)?),
+            None => base,
+        };
+        let placement = match place {
+            Place::Midpoint => Placement::Midpoint,
+            Place::Endpoint => Placement::Endpoint,
+            Place::Subset => Placement::Subset,
+            Place::Optimal => Placement::Optimal,
+        };
+        let order = match self.order {
+            Sequence::Linear => Order::Linear,
+            Sequence::Batched => Order::Batched,
+        };
+        let measure = match self.error_measure {
+            Measure::Travel => ErrorMeasure::Travel,
+            Measure::Measured => ErrorMeasure::Measured,
+            Measure::Verified => ErrorMeasure::Verified,
+        };
+        let borders = if self.lock_borders { Borders::Locked } else { Borders::Slide };
+        Ok(Simplifier::new()
+            .metric(metric)
+            .placement(placement)
+            .order(order)
+            .error_measure(measure)
+            .join_distance(self.join_distance as f32)
+            .oracle(borders)
+            .oracle(NormalFlip::degrees(self.max_turn as f32))
+            .oracle(TriangleQuality::at_least(self.min_quality as f32)))
+    }
+
+    /// What was asked for, for JSON.
+    pub fn describe(&self, place: Place) -> [(&'static str, Value); 5] {
+        let attributes = match &self.attributes {
+            Weights::Off => json!("off"),
+            Weights::Customary => json!("on"),
+            Weights::Chosen(list) => {
+                list.iter().map(|(name, weight)| (name.clone(), json!(weight))).collect()
+            }
+        };
+        [
+            ("metric", json!(self.metric)),
+            ("placement", json!(place.name())),
+            ("order", json!(self.order_name())),
+            ("error_measure", json!(self.measure_name())),
+            ("attributes", attributes),
+        ]
+    }
+
+    /// The same for people.
+    pub fn describe_text(&self, place: Place) -> String {
+        let (order, measure) = (self.order_name(), self.measure_name());
+        format!("{}, {} placement, {order} order, {measure} error", self.metric, place.name())
+    }
+
+    fn order_name(&self) -> &'static str {
+        match self.order {
+            Sequence::Linear => "linear",
+            Sequence::Batched => "batched",
+        }
+    }
+
+    fn measure_name(&self) -> &'static str {
+        match self.error_measure {
+            Measure::Travel => "travel",
+            Measure::Measured => "measured",
+            Measure::Verified => "verified",
+        }
+    }
+
+    /// Which rules stood in the way where nothing legal was left, and what would loosen them.
+    pub fn obstacles(&self, report: &SimplifyReport) -> String {
+        let hint = |oracle: &str| match oracle {
+            "border" if self.lock_borders => " (leave out --lock-borders)",
+            "seam" => " (--drop leaves out attributes with seams)",
+            "material" => " (--drop material)",
+            "link" => " (keeps the topology; --join-distance joins parts)",
+            "normal flip" => " (a larger --max-turn)",
+            "triangle quality" => " (a smaller --min-quality)",
+            _ => "",
+        };
+        let list = |number: fn(&Refusal) -> u64| {
+            let some = report.refusals.iter().filter(|r| number(r) > 0);
+            let lines: Vec<String> =
+                some.map(|r| format!("{} {}{}", r.oracle, number(r), hint(&r.oracle))).collect();
+            lines.join(", ")
+        };
+        // What is refused in the end says most; what was on the way says something.
+        match (list(|r| r.standing), list(|r| r.count)) {
+            (standing, _) if !standing.is_empty() => {
+                format!("no legal collapse is left; refused there: {standing}")
+            }
+            (_, count) if !count.is_empty() => {
+                format!("no legal collapse is left; refused since the start: {count}")
+            }
+            _ => "nothing is left to collapse".to_owned(),
+        }
+    }
+}
+
+/// A report's refusals, for JSON.
+pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
+    let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
+    report.refusals.iter().map(one).collect()
+}
+
+/// Why a simplification stopped.
+pub fn stop_name(stop: StopReason) -> &'static str {
+    match stop {
+        StopReason::Target => "target",
+        StopReason::Error => "error",
+        StopReason::NothingLegal => "nothing-legal",
+        StopReason::Cancelled => "cancelled",
+        _ => "other",
+    }
+}
+
+/// Bytes of one vertex: position and attributes.
+pub fn bytes_per_vertex(mesh: &Mesh) -> usize {
+    size_of::<[f32; 3]>() + mesh.attributes().iter().map(|a| 4 * a.width()).sum::<usize>()
+}
+
+fn metric_name() -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(metric::NAMES)
+}
+
+fn number(text: &str, range: impl std::ops::RangeBounds<f64>, expected: &str) -> Result<f64, String> {
+    let parsed = text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && range.contains(x));
+    parsed.ok_or_else(|| format!("not {expected}"))
+}
+
+/// A number from 0 to 1.
+pub fn share(text: &str) -> Result<f64, String> {
+    number(text, 0.0..=1.0, "a number from 0 to 1")
+}
+
+/// A finite number that is not below 0.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, 0.0.., "a number of 0 or more")
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    number(text, 0.0..=180.0, "a number from 0 to 180")
+}

@@ -1,0 +1,137 @@
+//! `multires simplify`: one level of detail from a mesh.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use multires::mesh::Mesh;
+use multires::simplify::{StopReason, Target};
+use serde_json::{Value, json};
+
+use crate::extract::round_down;
+use crate::files;
+use crate::output::{Answer, Failure, Run, Table, error_text, percent};
+use crate::progress::Bar;
+use crate::rules::{self, Rules, not_negative, share};
+
+/// Simplify a mesh until a target is reached; with several targets, the first one.
+///
+/// Topology, borders, seams and materials are kept. Where that leaves no legal collapse before the target is reached,
+/// the mesh is written as it is then, and a warning says which rules stood in the way.
+#[derive(Args)]
+pub struct Simplify {
+    /// The mesh file to read.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The mesh file to write; may be IN.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    #[command(flatten)]
+    targets: Targets,
+    #[command(flatten)]
+    rules: Rules,
+}
+
+#[derive(Args)]
+#[group(required = true, multiple = true)]
+struct Targets {
+    /// At most so many triangles.
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+    /// At most so many vertices.
+    #[arg(long, value_name = "N")]
+    vertices: Option<usize>,
+    /// At most this share of the triangles, 0 to 1.
+    #[arg(long, value_name = "R", value_parser = share)]
+    ratio: Option<f64>,
+    /// As few triangles as possible while the error stays within this, object units.
+    #[arg(long, value_name = "E", value_parser = not_negative)]
+    error: Option<f64>,
+    /// The same in percent of the diagonal of the mesh's box.
+    #[arg(long, value_name = "P", value_parser = not_negative)]
+    error_percent: Option<f64>,
+    /// At most so many bytes as an indexed mesh with 32-bit indices, all attributes and 4 bytes a number.
+    #[arg(long, value_name = "B")]
+    bytes: Option<usize>,
+}
+
+impl Targets {
+    fn list(&self, mesh: &Mesh) -> Vec<Target> {
+        let per_vertex = rules::bytes_per_vertex(mesh);
+        let absolute = |percent: f64| percent / 100.0 * mesh.diagonal();
+        let targets = [
+            self.triangles.map(Target::Triangles),
+            self.vertices.map(Target::Vertices),
+            self.ratio.map(Target::Ratio),
+            self.error.map(|e| Target::Error(round_down(e))),
+            self.error_percent.map(|p| Target::Error(round_down(absolute(p)))),
+            self.bytes.map(|bytes| Target::Bytes { bytes, per_vertex }),
+        ];
+        targets.into_iter().flatten().collect()
+    }
+}
+
+impl Run for Simplify {
+    fn run(&self) -> Result<Answer, Failure> {
+        self.rules.check()?;
+        files::check_mesh_output(&self.output)?;
+        let imported = files::read_mesh(&self.input)?;
+        let input = files::describe(&self.input, &imported.mesh);
+        let input_text = files::describe_text(&self.input, &imported.mesh);
+        let mesh = self.rules.dropped(imported.mesh)?;
+
+        let start = Instant::now();
+        let place = self.rules.place();
+        let mut simplifier = self.rules.simplifier(&mesh, place)?;
+        for target in self.targets.list(&mesh) {
+            simplifier = simplifier.target(target);
+        }
+        let bar = Bar::new("simplifying");
+        let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
+        drop(bar);
+        let level = sequence.extract(&mesh, sequence.len());
+        let seconds = start.elapsed().as_secs_f64();
+        files::write_mesh(&self.output, &level)?;
+
+        let report = sequence.report();
+        let diagonal = mesh.diagonal();
+        let error_percent = percent(f64::from(report.error), diagonal);
+        let share = percent(level.triangles().len() as f64, mesh.triangles().len() as f64);
+        let mut warnings = imported.notes.clone();
+        if report.stop == StopReason::NothingLegal {
+            let left = level.triangles().len();
+            warnings.push(format!("stopped at {left} triangles: {}", self.rules.obstacles(report)));
+        }
+        let mut json = json!({
+            "command": "simplify",
+            "input": input,
+            "output": files::describe(&self.output, &level),
+            "ratio": share.map(|p| p / 100.0),
+            "error": report.error,
+            "error_percent": error_percent,
+            "steps": report.steps,
+            "stop": rules::stop_name(report.stop),
+            "refusals": rules::refusals(report),
+            "seconds": seconds,
+            "warnings": warnings,
+        });
+        add(&mut json, self.rules.describe(place));
+
+        let mut table = Table::default();
+        table.row("input", input_text);
+        table.row("output", files::describe_text(&self.output, &level));
+        table.row("kept", format!("{:.2} % of the triangles", share.unwrap_or(100.0)));
+        table.row("error", error_text(f64::from(report.error), error_percent));
+        table.row("stopped by", rules::stop_name(report.stop));
+        table.row("by", self.rules.describe_text(place));
+        table.row("seconds", format!("{seconds:.3}"));
+        Ok(Answer { json, text: table.text(), warnings })
+    }
+}
+
+/// Adds members to an object.
+pub fn add(json: &mut Value, members: impl IntoIterator<Item = (&'static str, Value)>) {
+    if let Some(object) = json.as_object_mut() {
+        object.extend(members.into_iter().map(|(key, value)| (key.to_owned(), value)));
+    }
+}

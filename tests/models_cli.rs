@@ -1,0 +1,212 @@
+//! Promise: no file makes the command line panic; and levels of every real model keep its topology, its orientation,
+//! its materials, and its surface free of new borders, flips and slivers.
+//!
+//! *Flipped* is said of a collapse: it turns the normal of a triangle that survives it by 90 degrees or more. A level as
+//! such has no flipped triangles where no collapse that leads to it flips any. Triangles whose area is at most 1e-6 of
+//! the square of their longest edge have no normal worth the name and are not asked.
+#![cfg(feature = "cli")]
+
+mod command;
+
+use std::path::{Path, PathBuf};
+
+use command::{Folder, Said, json};
+use glam::DVec3;
+use multires::io::{self, Format};
+use multires::mesh::{Mesh, Report};
+use multires::simplify::{CollapseSequence, Simplifier};
+use multires::tom::{Level, TomMesh};
+
+/// The model files of a part of the collection; `None`, with a word on stderr, where it is not there.
+fn models(part: &str) -> Option<Vec<PathBuf>> {
+    let given = std::env::var_os("MULTIRES_MODELS").map(PathBuf::from);
+    let root = given.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"));
+    let mut folders = vec![root.join(part)];
+    let mut files = Vec::new();
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        for path in entries.filter_map(|e| Some(e.ok()?.path())) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if Format::from_path(&path).is_some() {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        eprintln!("models_cli: skipping {part}: no models in {} (set MULTIRES_MODELS)", root.display());
+        return None;
+    }
+    Some(files)
+}
+
+/// All commands on one file. The mesh and two of its levels as the commands wrote them; `None` where the file was
+/// refused, by all commands and with the same reason.
+fn commands(file: &Path, folder: &Folder) -> Option<(Mesh, [Mesh; 3])> {
+    let [output, baked, level] = ["out.ply", "all.mres", "level.ply"].map(|n| folder.file(n));
+    let commands = [
+        json("info", &[file], ""),
+        json("simplify", &[file, &output], "--ratio 0.1"),
+        json("build", &[file, &baked], "--structure tom"),
+    ];
+    if commands[0].code == Some(1) {
+        let reasons = commands.each_ref().map(Said::refusal);
+        assert!(reasons.iter().all(|r| r == &reasons[0]), "{reasons:?}");
+        assert!(io::read(file).is_err() && folder.names().is_empty());
+        return None;
+    }
+    let [info, simplified, built] = commands.map(|said| said.answer());
+    let mesh = io::read(file).unwrap();
+    assert_eq!(info["stored"]["triangles"], mesh.triangles().len());
+    let levels = ["--level 0.3", "--level 0"].map(|how| {
+        let answer = json("extract", &[&baked, &level], how).answer();
+        let result = io::read(&level).unwrap();
+        assert_eq!(answer["output"]["triangles"], result.triangles().len());
+        result
+    });
+    assert_eq!(built["coarsest"]["triangles"], levels[1].triangles().len());
+    let simple = io::read(&output).unwrap();
+    assert_eq!(simplified["output"]["triangles"], simple.triangles().len());
+    assert!(simplified["stop"] == "nothing-legal" || 10 * simple.triangles().len() <= mesh.triangles().len());
+    for name in ["out.ply", "all.mres", "level.ply"] {
+        std::fs::remove_file(folder.file(name)).unwrap();
+    }
+    assert!(folder.names().is_empty());
+    let [middle, base] = levels;
+    Some((mesh, [simple, middle, base]))
+}
+
+fn materials(mesh: &Mesh) -> Vec<u32> {
+    let mut ids = mesh.materials().to_vec();
+    ids.sort_unstable();
+    ids.dedup();
+    ids
+}
+
+/// The mesh without triangles that have two corners at one position: they have no area, and no level keeps them.
+fn without_collapsed(mesh: &Mesh) -> Mesh {
+    let at = |v: u32| mesh.positions()[v as usize];
+    let is_whole = |&&[a, b, c]: &&[u32; 3]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a);
+    Mesh::new(mesh.positions(), mesh.triangles().iter().filter(is_whole).copied().collect::<Vec<_>>())
+        .unwrap()
+}
+
+/// What a level does not keep of its mesh.
+fn breaches(mesh: &Mesh, level: &Mesh) -> Vec<String> {
+    let [before, after] = [mesh, level].map(|mesh| Report::welded(&without_collapsed(mesh)));
+    let mut breaches = Vec::new();
+    let mut check = |holds: bool, what: &str| {
+        if !holds {
+            breaches.push(format!("{what} {before:?} {after:?}"));
+        }
+    };
+    check(after.euler_characteristic == before.euler_characteristic, "Euler characteristic");
+    check(after.components == before.components, "components");
+    check(after.is_closed() == before.is_closed(), "closed");
+    check(after.border_edges <= before.border_edges, "border edges");
+    check(after.non_manifold_edges <= before.non_manifold_edges, "non-manifold edges");
+    check(after.non_manifold_vertices <= before.non_manifold_vertices, "non-manifold vertices");
+    check(after.flipped_edges <= before.flipped_edges, "flipped edges");
+    check(after.degenerate_triangles <= before.degenerate_triangles, "degenerate triangles");
+    check(materials(level) == materials(mesh), "materials");
+    let streams =
+        |mesh: &Mesh| mesh.attributes().iter().map(|a| (a.name().to_owned(), a.width())).collect::<Vec<_>>();
+    check(streams(level) == streams(mesh), "attributes");
+    breaches
+}
+
+/// Replays every collapse of an endpoint sequence, counting flipped triangles.
+fn flips(mesh: &Mesh, sequence: &CollapseSequence) -> usize {
+    let mut triangles = mesh.triangles().to_vec();
+    let mut folded: Vec<u32> = (0..mesh.positions().len() as u32).collect();
+    sequence.aliases().iter().for_each(|&[duplicate, kept]| folded[duplicate as usize] = kept);
+    triangles.as_flattened_mut().iter_mut().for_each(|v| *v = folded[*v as usize]);
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions().len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
+    }
+    let normal = |corners: [u32; 3]| {
+        let [a, b, c] = corners.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        let normal = (b - a).cross(c - a);
+        (normal.length() > 2e-6 * longest).then(|| normal.normalize())
+    };
+    let mut flipped = 0;
+    let mut changed: Vec<u32> = Vec::new();
+    for step in 0..sequence.len() {
+        changed.clear();
+        for &[from, _] in sequence.substitutions(step) {
+            changed.extend(&around[from as usize]);
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        let before: Vec<_> = changed.iter().map(|&t| normal(triangles[t as usize])).collect();
+        for &[from, to] in sequence.substitutions(step) {
+            let moved = std::mem::take(&mut around[from as usize]);
+            for &t in &moved {
+                triangles[t as usize].iter_mut().filter(|v| **v == from).for_each(|v| *v = to);
+            }
+            around[to as usize].extend(moved);
+        }
+        let pairs = changed.iter().zip(before);
+        flipped += pairs
+            .filter_map(|(&t, before)| Some((before?, normal(triangles[t as usize])?)))
+            .filter(|(before, after)| before.dot(*after) <= 0.0)
+            .count();
+    }
+    flipped
+}
+
+/// Everything about one part of the collection; only the files named in `refused` may be.
+fn check(part: &str, refused: &[&str]) {
+    let Some(files) = models(part) else { return };
+    let folder = Folder::new(part);
+    let (mut not_loaded, mut broken) = (Vec::new(), Vec::new());
+    for file in files {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let Some((mesh, levels)) = commands(&file, &folder) else {
+            not_loaded.push(name);
+            continue;
+        };
+        for (level, how) in levels.iter().zip(["--ratio 0.1", "--level 0.3", "--level 0"]) {
+            let found = breaches(&mesh, level);
+            broken.extend(found.into_iter().map(|breach| format!("{name} {how}: {breach}")));
+        }
+        let sequence = Simplifier::new().run(&mesh).unwrap();
+        let flipped = flips(&mesh, &sequence);
+        if flipped > 0 {
+            broken.push(format!("{name}: {flipped} flipped triangles"));
+        }
+        let bundle = TomMesh::new(&mesh, &sequence).unwrap();
+        let base = bundle.level(Level::Ratio(0.0));
+        assert_eq!(base.triangles().len(), levels[2].triangles().len(), "{name}");
+        if !mesh.triangles().is_empty() {
+            assert!(bundle.level(Level::Ratio(1.0)).triangles().len() <= mesh.triangles().len());
+        }
+    }
+    assert_eq!(not_loaded, refused);
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn real_models() {
+    check("real", &[]);
+}
+
+#[test]
+fn game_assets() {
+    check("game", &[]);
+}
+
+#[test]
+fn subdivision_meshes() {
+    check("subdivision", &[]);
+}
+
+#[test]
+fn hostile_files() {
+    let refused =
+        ["bad_index.glb", "bad_index.obj", "huge_count.ply", "nan_inf.obj", "truncated.ply", "truncated.stl"];
+    check("hostile", &refused);
+}

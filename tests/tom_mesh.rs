@@ -1,0 +1,131 @@
+//! Promise: a totally ordered mesh with its vertices gives every level that its sequence has, comes back from a file
+//! equal, and does not come back from parts that do not fit.
+
+mod support;
+
+use multires::mesh::{Attribute, AttributeValues, Mesh, Topology, shapes};
+use multires::simplify::Simplifier;
+use multires::tom::{Level, TomMesh};
+use proptest::prelude::*;
+
+/// Positions, all values, locks and material of every triangle, lowest corner first, sorted: equal for meshes that
+/// differ in order only.
+fn content(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
+    let corner = |v: u32| {
+        let v = v as usize;
+        let mut words: Vec<u32> = mesh.positions()[v].iter().map(|x| (x + 0.0).to_bits()).collect();
+        for a in mesh.attributes() {
+            let range = v * a.width()..(v + 1) * a.width();
+            match a.values() {
+                AttributeValues::Float(all) => words.extend(all[range].iter().map(|x| x.to_bits())),
+                AttributeValues::Uint(all) => words.extend(&all[range]),
+                AttributeValues::Int(all) => words.extend(all[range].iter().map(|&x| x as u32)),
+                _ => {}
+            }
+        }
+        words.push(u32::from(mesh.locks().get(v).copied().unwrap_or(false)));
+        words
+    };
+    let triangles = mesh.triangles().iter().enumerate().map(|(t, corners)| {
+        let mut corners = corners.map(corner);
+        let lowest = (0..3).min_by_key(|&i| &corners[i]).unwrap_or(0);
+        corners.rotate_left(lowest);
+        (corners, mesh.materials().get(t).copied().unwrap_or(0))
+    });
+    let mut content: Vec<_> = triangles.collect();
+    content.sort_unstable();
+    content
+}
+
+fn is_compact(mesh: &Mesh) -> bool {
+    let mut used = vec![false; mesh.positions().len()];
+    mesh.indices().iter().for_each(|&v| used[v as usize] = true);
+    used.iter().all(|&u| u)
+}
+
+proptest! {
+    #[test]
+    fn every_level_is_the_sequences((mesh, sequence) in support::endpoint()) {
+        let labels = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
+        let mesh = mesh.with_attribute(Attribute::new("wedge", 1, labels)).unwrap();
+        let bundle = TomMesh::new(&mesh, &sequence).unwrap();
+        let names = |mesh: &Mesh| mesh.attributes().iter().map(|a| a.name().to_owned()).collect::<Vec<_>>();
+        let mut resolution = bundle.tom().finest();
+        loop {
+            let level = bundle.mesh_at(resolution);
+            prop_assert!(is_compact(&level));
+            prop_assert_eq!(level.triangles().len(), resolution.triangles());
+            prop_assert!(level.positions().len() <= resolution.vertices());
+            prop_assert_eq!(names(&level), names(&mesh));
+            prop_assert_eq!(level.materials().is_empty(), mesh.materials().is_empty() || level.triangles().is_empty());
+            // Some step of the sequence shows the same.
+            let shown = content(&level);
+            let same = (0..=sequence.len()).rev().any(|steps| {
+                let other = sequence.extract(&mesh, steps);
+                let mut other = content(&other);
+                other.retain(|(c, _)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
+                other == shown
+            });
+            prop_assert!(same);
+            match bundle.tom().coarser(resolution) {
+                Some(coarser) => resolution = coarser,
+                None => break,
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_keeps_all_it_has() {
+    let mesh = shapes::demo();
+    let locks: Vec<bool> = (0..mesh.positions().len()).map(|v| v % 97 == 0).collect();
+    let mesh = mesh.with_locks(locks).unwrap();
+    let sequence = Simplifier::new().run(&mesh).unwrap();
+    let bundle = TomMesh::new(&mesh, &sequence).unwrap();
+    assert!(content(&bundle.level(Level::Ratio(1.0))) == content(&mesh));
+    let base = bundle.level(Level::Ratio(0.0));
+    assert!(content(&base) == content(&sequence.extract(&mesh, sequence.len())));
+    assert_eq!(base.material_names(), mesh.material_names());
+    assert!(bundle.vertices().triangles().is_empty());
+    assert!(bundle.memory() > bundle.plain_memory());
+    assert!(bundle.memory() < bundle.plain_memory() * 6 / 5);
+    assert_eq!(bundle.plain_memory(), bundle.level(Level::Ratio(1.0)).memory());
+}
+
+#[test]
+fn nothing_makes_nothing() {
+    for mesh in [Mesh::default(), Mesh::new([[0.0; 3]; 3], [[0, 1, 1]]).unwrap()] {
+        let bundle = TomMesh::new(&mesh, &Simplifier::new().run(&mesh).unwrap()).unwrap();
+        let level = bundle.level(Level::Triangles(10));
+        assert!(level.triangles().is_empty() && level.positions().is_empty());
+    }
+}
+
+#[cfg(feature = "io")]
+#[test]
+fn it_comes_back_from_a_file_and_not_from_parts_that_do_not_fit() {
+    use multires::io::{bake, unbake};
+    use multires::tom::TotallyOrderedMesh;
+
+    #[derive(serde::Serialize)]
+    struct Parts<'a> {
+        mesh: &'a Mesh,
+        tom: &'a TotallyOrderedMesh,
+    }
+
+    let mesh = shapes::demo();
+    let bundle = TomMesh::new(&mesh, &Simplifier::new().run(&mesh).unwrap()).unwrap();
+    let bytes = bake(TomMesh::KIND, &bundle).unwrap();
+    assert_eq!(unbake::<TomMesh>(TomMesh::KIND, &bytes).unwrap(), bundle);
+    let parts = |mesh: &Mesh| bake(TomMesh::KIND, &Parts { mesh, tom: bundle.tom() }).unwrap();
+    assert!(parts(bundle.vertices()) == bytes);
+
+    let refused = |mesh: &Mesh| unbake::<TomMesh>(TomMesh::KIND, &parts(mesh)).unwrap_err().to_string();
+    let positions = bundle.vertices().positions();
+    let few = Mesh::new(&positions[1..], []).unwrap();
+    assert!(refused(&few).contains("vertices"));
+    let more = Mesh::new([positions, &[[0.0; 3]]].concat(), []).unwrap();
+    assert!(refused(&more).contains("vertices"));
+    let drawn = Mesh::new(positions, [[0, 1, 2]]).unwrap();
+    assert!(refused(&drawn).contains("triangles"));
+}
