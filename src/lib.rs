@@ -1,4 +1,69 @@
-//! Multiresolution triangle meshes.
+//! Multiresolution triangle meshes: build once, pick a level of detail whenever you like, upload the slices.
+//!
+//! A pure Rust library that knows no graphics interface: it takes plain arrays and hands out plain slices.
+//!
+//! # The tour
+//!
+//! ```
+//! use multires::{Level, Simplifier, TotallyOrderedMesh, mesh::shapes};
+//!
+//! // Once, offline or when loading.
+//! let mesh = shapes::demo(); // or Mesh::new(positions, triangles)?, or io::read(path)?
+//! let sequence = Simplifier::new().run(&mesh)?; // every collapse, cheapest first
+//! let built = TotallyOrderedMesh::build(&mesh, &sequence)?; // every level of detail, in one order
+//! let vertices = built.arrange(mesh.positions())?; // upload once
+//!
+//! // Every frame, or whenever the level changes.
+//! let level = built.tom.at(Level::Triangles(5_000));
+//! let mut indices = Vec::new();
+//! built.tom.fill_indices(level, &mut indices); // upload and draw
+//!
+//! assert!(indices.len() <= 3 * 5_000);
+//! assert!(indices.iter().all(|&i| (i as usize) < level.vertices() && level.vertices() <= vertices.len()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # One idea
+//!
+//! Taking detail away merges vertices, one step at a time. After any number of steps the mesh is *the image of the
+//! input's triangles under the merges, less those with two equal corners*. That is all the connectivity there is, so no
+//! step can lose or corrupt any, on open, non-manifold or otherwise odd meshes either. What the structures differ in is
+//! how they get at that image quickly.
+//!
+//! # Rooms
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
+//! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
+//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances |
+//! | `quality` | distances between meshes, volume, pictures without a graphics card (feature `quality`) |
+//! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
+//! | [`error`] | what can be wrong with arrays that are handed in |
+//!
+//! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
+//! `docs/guide/tom.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `parallel` | yes | all cores where work divides; the bytes that come out are the same without |
+//! | `quality` | yes | the room `quality` |
+//! | `io` | | the room `io`; brings `serde` |
+//! | `serde` | | `Serialize` and `Deserialize` for meshes and structures, validated on the way in |
+//! | `cli` | | the program `multires`; brings `io` and `quality` |
+//!
+//! # Guarantees
+//!
+//! - **No panic on any input.** Arrays are checked once, by [`Mesh::new`] and its kin; errors name the element at fault.
+//!   Whatever passes is legal input everywhere.
+//! - **Deterministic.** The same input and options give the same bytes, for any number of threads.
+//! - **Errors are distances**, in object units, with a stated meaning ([`Simplifier`], "The error"), never the root of a
+//!   cost.
+//! - **Stopping early is a result**, not an error, and says why ([`StopReason`](simplify::StopReason)).
+//! - **Nothing allocates per frame** once buffers are warm.
+//! - **No unsafe code**, and no maths crate's types in public signatures.
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
@@ -10,3 +75,21 @@ pub mod mesh;
 pub mod quality;
 pub mod simplify;
 pub mod tom;
+
+pub use error::MeshError;
+pub use mesh::{Attribute, Mesh};
+pub use simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier, Target};
+pub use tom::{Level, Resolution, TomCursor, TomSteps, TotallyOrderedMesh};
+
+/// The code in the readme and the guide is compiled and run with the tests.
+#[cfg(all(doctest, feature = "io", feature = "quality"))]
+mod chapters {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/guide/input.md")]
+    struct Input;
+    #[doc = include_str!("../docs/guide/simplification.md")]
+    struct Simplification;
+    #[doc = include_str!("../docs/guide/tom.md")]
+    struct Tom;
+}

@@ -16,10 +16,14 @@ use super::sequence::CollapseSequence;
 /// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
 ///
 /// # The error
-/// The error of each step, in object units, is *the largest distance of an input point from the level's surface*, an
-/// upper bound that is tight: every merged point is kept on the part of the surface it lies over and measured whenever
-/// that part changes. Between input points nothing is claimed; the two-sided distance found by sampling is within a few
-/// percent of it on dense meshes. Other measures: [`ErrorMeasure`].
+/// The error of each step, in object units, is measured: *no vertex that the input's triangles use is farther from the
+/// level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the rounding of single
+/// precision. Every merged point is kept on the part of the surface it lies over, and its distance is taken whenever
+/// that part changes. The error never decreases along the sequence. Other measures: [`ErrorMeasure`].
+///
+/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. By samples, the
+/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table). An
+/// input whose triangles are large beside its features deserves a measurement of its own: `quality::distance`.
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.

@@ -1,0 +1,70 @@
+//! How far levels of detail lie from their model: the error that the sequence reports beside the measured distance.
+//!
+//! ```text
+//! cargo run --release --example fidelity --features io -- MODEL... [--samples N]
+//! ```
+//!
+//! All in percent of the model's diagonal. `reported` is what the sequence says of the level; `out` and `back` are the
+//! largest distances from the model to the level and the other way, `mean` the mean of both directions, by samples of
+//! equal area (300,000 a mesh), corners and edges.
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use multires::quality::{DistanceOptions, distance};
+use multires::{Mesh, Simplifier, io};
+
+/// The levels measured, in percent of the triangles.
+const PERCENTS: [usize; 6] = [50, 25, 10, 5, 2, 1];
+
+fn main() -> ExitCode {
+    let (mut models, mut samples) = (Vec::new(), 300_000);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--samples" => match arguments.next().and_then(|n| n.parse().ok()) {
+                Some(n) => samples = n,
+                None => return usage(),
+            },
+            flag if flag.starts_with('-') => return usage(),
+            _ => models.push(argument),
+        }
+    }
+    if models.is_empty() {
+        return usage();
+    }
+    for model in &models {
+        let done = io::read(model).map_err(Box::from).and_then(|mesh| table(model, &mesh, samples));
+        if let Err(error) = done {
+            eprintln!("error: {model}: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+fn usage() -> ExitCode {
+    eprintln!("usage: fidelity MODEL... [--samples N]");
+    ExitCode::from(2)
+}
+
+fn table(model: &str, mesh: &Mesh, samples: usize) -> Result<(), Box<dyn Error>> {
+    let sequence = Simplifier::new().run(mesh)?;
+    let options = DistanceOptions::default().with_samples(samples);
+    println!("{model}\n kept %  triangles   reported        out       back       mean");
+    for percent in PERCENTS {
+        let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
+        let level = sequence.extract(mesh, steps);
+        let measured = distance(mesh, &level, &options)?;
+        let of_diagonal = |x: f64| 100.0 * x / measured.diagonal;
+        println!(
+            "{percent:>7}  {:>9}   {:>8.4}   {:>8.4}   {:>8.4}   {:>8.4}",
+            level.triangles().len(),
+            of_diagonal(f64::from(sequence.error_after(steps))),
+            of_diagonal(measured.forward.max),
+            of_diagonal(measured.backward.max),
+            of_diagonal(measured.mean()),
+        );
+    }
+    Ok(())
+}
