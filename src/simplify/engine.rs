@@ -28,6 +28,7 @@ use super::patch::Patch;
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
+use super::reorder;
 use super::report::{Refusal, SimplifyReport, StopReason};
 use super::sequence::CollapseSequence;
 use super::surface::{Surface, kind};
@@ -102,6 +103,14 @@ pub(super) struct Engine<'a, M> {
     partners: Partners,
     recorder: Recorder,
     queue: ClassQueue,
+    /// Per step its class of cost, no less than those of the steps it needs.
+    ranks: Vec<u32>,
+    /// Per point the highest rank of a step that changed a triangle of it.
+    touched: Vec<u32>,
+    /// Whether ranks may descend.
+    tiled: bool,
+    /// Vertices in use at the start.
+    input_vertices: usize,
     best: Vec<Best>,
     state: Vec<u8>,
     /// The partner for which each point's cost was verified; empty unless costs are.
@@ -131,9 +140,14 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             order,
             oracles,
             limits,
+            input_vertices: recorder.live_vertices(),
             partners,
             recorder,
-            queue: ClassQueue::new(points),
+            // With a size asked for, a band is finished before the target is looked at: so it is a narrow one.
+            queue: ClassQueue::new(points, if limits.is_sized() { 16 } else { 32 }),
+            ranks: Vec::new(),
+            touched: vec![0; points],
+            tiled: false,
             best: vec![NO_BEST; points],
             state: vec![0; points],
             verified: if measure == ErrorMeasure::Verified { vec![NONE; points] } else { Vec::new() },
@@ -149,7 +163,11 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
-    pub fn run(mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> CollapseSequence {
+    pub fn run(
+        mut self,
+        mesh: &Mesh,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> CollapseSequence {
         let mut batch = 0;
         let mut stop = StopReason::NothingLegal;
         loop {
@@ -175,7 +193,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if stop == StopReason::NothingLegal && self.too_far > 0 {
             stop = StopReason::Error;
         }
-        self.finish(stop)
+        self.finish(mesh, stop)
     }
 
     fn is_done(&self) -> bool {
@@ -191,6 +209,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         };
         self.metric.begin(&self.surface, info);
         self.queue.restart();
+        self.touched.fill(0);
         for state in &mut self.state {
             *state &= state::GONE;
         }
@@ -222,7 +241,12 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// Serves the queue until it is empty (`None`) or there is a reason to stop.
     fn run_batch(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
         let mut next_call = self.recorder.steps() + PROGRESS_STEPS;
+        // The band in which the target was reached.
+        let mut last_band = None;
         while let Some(point) = self.queue.pop() {
+            if last_band.is_some_and(|band| band != self.queue.bands()) {
+                return Some(StopReason::Target);
+            }
             if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
                 continue;
             }
@@ -243,8 +267,12 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             if !self.try_collapse(point) {
                 continue;
             }
-            if self.is_done() {
-                return Some(StopReason::Target);
+            if last_band.is_none() && self.is_done() {
+                // Other tiles have steps of the same worth.
+                if !self.queue.is_tiled() {
+                    return Some(StopReason::Target);
+                }
+                last_band = Some(self.queue.bands());
             }
             if self.recorder.steps() >= next_call {
                 next_call += PROGRESS_STEPS;
@@ -259,7 +287,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 }
             }
         }
-        None
+        last_band.map(|_| StopReason::Target)
     }
 
     fn refresh(&mut self, point: u32) {
@@ -505,17 +533,25 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.error = self.error.max(error);
         let error = self.surface.frame().object_length(error);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
+        let needed = self.touched[pair.lost as usize].max(self.touched[pair.kept as usize]);
+        let rank = self.queue.rank().max(needed);
+        self.ranks.push(rank);
+        self.tiled |= self.queue.is_tiled();
         self.state[pair.lost as usize] = state::GONE;
         self.queue.remove(pair.lost);
         self.partners.merge(pair.lost, pair.kept);
-        self.update_around(pair);
+        self.update_around(pair, rank);
     }
 
     /// Brings the candidates around a merged point up to date, or marks them stale.
-    fn update_around(&mut self, pair: Pair) {
+    fn update_around(&mut self, pair: Pair, rank: u32) {
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
         self.surface.for_neighbours(pair.kept, |n| ring.push(n));
+        self.touched[pair.kept as usize] = rank;
+        for &n in &ring {
+            self.touched[n as usize] = self.touched[n as usize].max(rank);
+        }
         if self.order == Order::Batched {
             self.state[pair.kept as usize] |= state::TOUCHED;
             ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
@@ -596,7 +632,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         std::mem::replace(&mut self.refusals, asked)
     }
 
-    fn finish(mut self, stop: StopReason) -> CollapseSequence {
+    fn finish(mut self, mesh: &Mesh, stop: StopReason) -> CollapseSequence {
         let standing = if matches!(stop, StopReason::NothingLegal | StopReason::Error) {
             self.standing_refusals()
         } else {
@@ -613,19 +649,14 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let mut used = vec![false; self.recorder.vertex_count()];
-        for t in (0..self.surface.triangle_count() as u32).filter(|&t| self.surface.triangle(t).is_some()) {
-            self.surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
+        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
+        let mut sequence = self.recorder.finish(report);
+        if self.tiled {
+            reorder::sort_by_rank(&mut sequence, &self.ranks);
+            reorder::cut(&mut sequence, &self.limits, self.input_vertices);
         }
-        let report = SimplifyReport {
-            stop,
-            steps: self.recorder.steps(),
-            triangles: self.surface.live_triangles(),
-            vertices: used.iter().filter(|&&u| u).count(),
-            error: self.surface.frame().object_length(self.error),
-            refusals,
-        };
-        self.recorder.finish(report)
+        sequence.fill_report(mesh);
+        sequence
     }
 }
 

@@ -9,7 +9,7 @@
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `witness.rs` | how far the input lies from the level; `travel.rs`: how far its points have travelled |
-//! | `recorder.rs` | writes the sequence; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `sequence_build.rs` | sequences from a simplifier of your own |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
 
@@ -24,6 +24,7 @@ mod placement;
 mod progressive;
 mod queue;
 mod recorder;
+mod reorder;
 mod report;
 mod sequence;
 mod sequence_build;

@@ -126,6 +126,11 @@ impl Limits {
         Ok(limits)
     }
 
+    /// Whether a size is asked for, and not only an error.
+    pub fn is_sized(&self) -> bool {
+        self.triangles > 0 || self.vertices > 0 || self.bytes.is_some()
+    }
+
     /// Whether a mesh of this size is small enough.
     #[inline]
     pub fn reached(&self, triangles: usize, vertices: usize) -> bool {

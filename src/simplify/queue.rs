@@ -3,24 +3,51 @@
 //! Costs are sorted into classes by the leading bits of their float representation: 16 classes an octave, so that two
 //! costs of one class differ by at most 6.25 %. Inside a class it is first in, first out. Two reasons against a binary
 //! heap: it costs a logarithm, and it visits points of equal worth in random order, which on a large mesh makes every
-//! collapse a cache miss. Points that enter in index order leave in index order, class by class.
+//! collapse a cache miss.
+//!
+//! ```text
+//!             tile 0        tile 1        tile 2          points by number, a few thousand waiting ones a tile
+//!   band 0    1  2  3       4  5  6       7  8  9         costs by class, some octaves a band
+//!   band 1   10 11 12      13 14 15      16 17 18
+//! ```
+//!
+//! Where points do not fit the cache, a band of costs is served tile by tile, in each tile class by class. What is
+//! served is then not quite ascending: [`rank`](ClassQueue::rank) tells the class of each, so that the sequence can be
+//! put in order afterwards (`reorder.rs`). When one tile is left, all bands are one.
 //!
 //! An entry is never searched for: a point that moves to another class leaves its old entry behind, which is recognised
-//! when it comes up.
+//! when it comes up; and points that wait for a later tile or band are found by running over their classes.
 
 use crate::mesh::NONE;
 
 /// Bits of the cost that make its class: 8 exponent bits and 4 of the mantissa (the sign is always 0).
 const CLASS_SHIFT: u32 = 19;
-const CLASSES: usize = (f32::INFINITY.to_bits() >> CLASS_SHIFT) as usize + 1;
+const CLASSES: u32 = (f32::INFINITY.to_bits() >> CLASS_SHIFT) + 1;
+/// Waiting points that are served as one tile: their neighbourhoods fit a last-level cache.
+const WHOLE: usize = 65_536;
+/// Waiting points in a tile where there are more: their neighbourhoods fit a second-level cache.
+const TILE: usize = 8192;
 
 /// A queue of points by cost class. Costs must not be negative or NaN.
 #[derive(Debug, Clone)]
 pub(super) struct ClassQueue {
-    classes: Vec<Fifo>,
     /// The class that each point waits in; [`NONE`] while it does not wait.
     class_of: Vec<u32>,
-    current: usize,
+    /// One queue per class of the band being served.
+    classes: Vec<Fifo>,
+    /// First class of the band, and the one after its last.
+    band: [u32; 2],
+    /// The class being served.
+    current: u32,
+    /// The tile being served, and how many points its successors have.
+    tile: std::ops::Range<usize>,
+    stride: usize,
+    /// The least class seen beyond the band, to go on with.
+    least_beyond: u32,
+    waiting: usize,
+    /// Classes of a band that is served tile by tile, and how many bands were.
+    band_width: u32,
+    bands: u32,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -30,55 +57,151 @@ struct Fifo {
 }
 
 impl ClassQueue {
-    pub fn new(points: usize) -> Self {
-        Self { classes: vec![Fifo::default(); CLASSES], class_of: vec![NONE; points], current: 0 }
+    /// A queue for so many points. A wide band streams a large mesh through the cache less often; a narrow one keeps
+    /// closer to the order of cost.
+    pub fn new(points: usize, band_width: u32) -> Self {
+        Self {
+            class_of: vec![NONE; points],
+            classes: Vec::new(),
+            band: [0, 0],
+            current: 0,
+            tile: 0..0,
+            stride: points,
+            least_beyond: 0,
+            waiting: 0,
+            band_width,
+            bands: 0,
+        }
     }
 
-    /// Puts a point in, or moves it to its new class. A cost below the class being served joins that class.
+    fn class(cost: f32) -> u32 {
+        (cost.to_bits() >> CLASS_SHIFT).min(CLASSES - 1)
+    }
+
+    /// Puts a point in, or moves it to its new class.
     #[inline]
     pub fn insert(&mut self, point: u32, cost: f32) {
         debug_assert!(cost >= 0.0, "cost {cost}");
-        let class = ((cost.to_bits() >> CLASS_SHIFT) as usize).clamp(self.current, CLASSES - 1);
-        if self.class_of[point as usize] != class as u32 {
-            self.class_of[point as usize] = class as u32;
-            self.classes[class].entries.push(point);
+        let class = Self::class(cost);
+        let waits = &mut self.class_of[point as usize];
+        if *waits == class {
+            return;
+        }
+        self.waiting += usize::from(*waits == NONE);
+        *waits = class;
+        if class < self.band[1] {
+            if self.tile.contains(&(point as usize)) {
+                // A cost below the class being served joins that class.
+                let class = class.max(self.current);
+                self.class_of[point as usize] = class;
+                self.classes[(class - self.band[0]) as usize].entries.push(point);
+            }
+        }
+        if class >= self.band[1] || (point as usize) < self.tile.start {
+            self.least_beyond = self.least_beyond.min(class);
         }
     }
 
     /// Takes a point out, wherever it waits.
     #[inline]
     pub fn remove(&mut self, point: u32) {
-        self.class_of[point as usize] = NONE;
+        let waits = &mut self.class_of[point as usize];
+        self.waiting -= usize::from(*waits != NONE);
+        *waits = NONE;
     }
 
     /// Whether a cost is due: no dearer than the class being served.
     #[inline]
     pub fn is_due(&self, cost: f32) -> bool {
-        (cost.to_bits() >> CLASS_SHIFT) as usize <= self.current
+        Self::class(cost) <= self.current
+    }
+
+    /// The class being served: what the point popped last counts as.
+    #[inline]
+    pub fn rank(&self) -> u32 {
+        self.current
+    }
+
+    /// Whether the band is served tile by tile, so that ranks may descend.
+    #[inline]
+    pub fn is_tiled(&self) -> bool {
+        self.stride < self.class_of.len()
+    }
+
+    /// Bands begun so far.
+    #[inline]
+    pub fn bands(&self) -> u32 {
+        self.bands
     }
 
     /// The next point, taken out.
     pub fn pop(&mut self) -> Option<u32> {
-        while self.current < CLASSES {
-            let fifo = &mut self.classes[self.current];
-            while let Some(&point) = fifo.entries.get(fifo.head) {
-                fifo.head += 1;
-                if self.class_of[point as usize] == self.current as u32 {
-                    self.class_of[point as usize] = NONE;
-                    return Some(point);
+        loop {
+            while self.current < self.band[1] {
+                let fifo = &mut self.classes[(self.current - self.band[0]) as usize];
+                while let Some(&point) = fifo.entries.get(fifo.head) {
+                    fifo.head += 1;
+                    if self.class_of[point as usize] == self.current {
+                        self.class_of[point as usize] = NONE;
+                        self.waiting -= 1;
+                        return Some(point);
+                    }
                 }
+                fifo.entries.clear();
+                fifo.head = 0;
+                self.current += 1;
             }
-            *fifo = Fifo::default();
-            self.current += 1;
+            if !self.next_tile() {
+                return None;
+            }
         }
-        self.current = CLASSES - 1;
-        None
+    }
+
+    /// Goes on to the next tile, or the next band's first. Whether anything waits.
+    fn next_tile(&mut self) -> bool {
+        let points = self.class_of.len();
+        if self.tile.end >= points {
+            if self.waiting == 0 {
+                self.band = [0, 0];
+                self.current = 0;
+                return false;
+            }
+            // Fewer points wait than at first: as many of them a tile.
+            let tiles = if self.waiting <= WHOLE { 1 } else { self.waiting.div_ceil(TILE) };
+            self.bands += 1;
+            self.stride = points.div_ceil(tiles);
+            let start = self.least_beyond;
+            self.band = [start, if tiles == 1 { CLASSES } else { (start + self.band_width).min(CLASSES) }];
+            self.least_beyond = CLASSES - 1;
+            self.classes.resize((self.band[1] - start) as usize, Fifo::default());
+            self.tile = 0..0;
+        }
+        self.tile = self.tile.end..(self.tile.end + self.stride).min(points);
+        self.current = self.band[0];
+        for point in self.tile.clone() {
+            let class = self.class_of[point];
+            if class == NONE {
+                continue;
+            }
+            if class < self.band[1] {
+                let class = class.max(self.current);
+                self.class_of[point] = class;
+                self.classes[(class - self.band[0]) as usize].entries.push(point as u32);
+            } else {
+                self.least_beyond = self.least_beyond.min(class);
+            }
+        }
+        true
     }
 
     /// Empties the queue and starts again at the cheapest class.
     pub fn restart(&mut self) {
-        self.classes.iter_mut().for_each(|fifo| *fifo = Fifo::default());
+        let points = self.class_of.len();
+        *self = Self { class_of: std::mem::take(&mut self.class_of), ..Self::new(0, self.band_width) };
         self.class_of.fill(NONE);
-        self.current = 0;
+        self.stride = points;
+        // Before the first tile: everything waits beyond an empty band.
+        self.tile = points..points;
+        self.least_beyond = CLASSES - 1;
     }
 }

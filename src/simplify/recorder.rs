@@ -201,26 +201,23 @@ impl Recorder {
         any
     }
 
+    /// The sequence, in the order it was recorded.
     pub fn finish(self, report: SimplifyReport) -> CollapseSequence {
-        let mut max_error = self.step_error.clone();
-        let mut largest: f32 = 0.0;
-        for e in &mut max_error {
-            largest = largest.max(*e);
-            *e = largest;
-        }
-        CollapseSequence {
+        let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
             aliases: self.aliases,
             substitutions: self.substitutions,
             step_start: self.step_start,
             step_error: self.step_error,
-            max_error,
+            max_error: Vec::new(),
             triangles_after: self.triangles_after,
             triangle_end: self.triangle_end,
             batch_end: self.batch_end,
             report,
-        }
+        };
+        sequence.accumulate_errors();
+        sequence
     }
 }
 

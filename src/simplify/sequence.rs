@@ -200,6 +200,32 @@ impl CollapseSequence {
         self.assemble(mesh, &used, triangles, materials)
     }
 
+    /// Says in the report what the last step reached. O(input).
+    pub(crate) fn fill_report(&mut self, mesh: &Mesh) {
+        let steps = self.len();
+        let to = self.representatives(steps);
+        let mut used = vec![false; to.len()];
+        for (triangle, &end) in mesh.triangles().iter().zip(&self.triangle_end) {
+            if end as usize > steps {
+                triangle.iter().for_each(|&v| used[to[v as usize] as usize] = true);
+            }
+        }
+        self.report.steps = steps;
+        self.report.triangles = self.triangles_after(steps);
+        self.report.vertices = used.iter().filter(|&&used| used).count();
+        self.report.error = self.error_after(steps);
+    }
+
+    /// Takes the largest error so far from the errors of the steps.
+    pub(crate) fn accumulate_errors(&mut self) {
+        let mut largest: f32 = 0.0;
+        let so_far = self.step_error.iter().map(|&error| {
+            largest = largest.max(error);
+            largest
+        });
+        self.max_error = so_far.collect();
+    }
+
     /// A mesh of the given vertices of this sequence.
     pub(crate) fn assemble(
         &self,

@@ -155,6 +155,6 @@ impl<M: ErrorMetric> Simplifier<M> {
             measure: self.measure,
         };
         let engine = Engine::new(mesh, &mut self.metric, plan);
-        Ok(engine.run(&mut progress))
+        Ok(engine.run(mesh, &mut progress))
     }
 }

@@ -23,10 +23,9 @@ use super::surface::Surface;
 /// Which triangle each merged point lies over.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Witnesses {
-    positions: Vec<Vec3>,
-    /// First witness on each triangle, and the next one on the same.
+    points: Vec<Witness>,
+    /// First witness on each triangle.
     head: Vec<u32>,
-    next: Vec<u32>,
     /// Whether each point is a witness yet.
     merged: Vec<bool>,
     fan: Vec<Sectors>,
@@ -37,6 +36,13 @@ pub(super) struct Witnesses {
     placed: Vec<f32>,
     /// Area per input point.
     share: f32,
+}
+
+/// An input point, and the next one on the same triangle: side by side, since chains run all over memory.
+#[derive(Debug, Clone, Copy)]
+struct Witness {
+    position: Vec3,
+    next: u32,
 }
 
 /// Four triangles of the new patch side by side, relative to the merged point's position (their first corner). A
@@ -160,9 +166,8 @@ impl Witnesses {
     pub fn new(surface: &Surface, remember: bool) -> Self {
         let points = surface.point_count();
         Self {
-            positions: (0..points as u32).map(|p| surface.at(p)).collect(),
+            points: (0..points as u32).map(|p| Witness { position: surface.at(p), next: NONE }).collect(),
             head: vec![NONE; surface.triangle_count()],
-            next: vec![NONE; points],
             merged: vec![false; points],
             fan: Vec::new(),
             largest: 0.0,
@@ -179,12 +184,13 @@ impl Witnesses {
         let mut worst: f32 = 0.0;
         self.for_heads(surface, pair, x, |witnesses, mut at| {
             while at != NONE {
-                worst = worst.max(witnesses.nearest(witnesses.positions[at as usize] - x).0);
-                at = witnesses.next[at as usize];
+                let witness = witnesses.points[at as usize];
+                worst = worst.max(witnesses.nearest(witness.position - x).0);
+                at = witness.next;
             }
         });
         for point in self.newcomers(surface, pair, x) {
-            worst = worst.max(self.nearest(self.positions[point as usize] - x).0);
+            worst = worst.max(self.nearest(self.points[point as usize].position - x).0);
         }
         worst.sqrt()
     }
@@ -196,13 +202,13 @@ impl Witnesses {
         let mut sum: f32 = 0.0;
         self.for_heads(surface, pair, x, |witnesses, mut at| {
             while at != NONE {
-                let p = witnesses.positions[at as usize] - x;
-                sum += witnesses.nearest_with_sides(p).0 - witnesses.placed[at as usize];
-                at = witnesses.next[at as usize];
+                let witness = witnesses.points[at as usize];
+                sum += witnesses.nearest_with_sides(witness.position - x).0 - witnesses.placed[at as usize];
+                at = witness.next;
             }
         });
         for point in self.newcomers(surface, pair, x) {
-            sum += self.nearest_with_sides(self.positions[point as usize] - x).0;
+            sum += self.nearest_with_sides(self.points[point as usize].position - x).0;
         }
         sum * self.share
     }
@@ -220,7 +226,7 @@ impl Witnesses {
         for &head in &heads {
             let mut at = head;
             while at != NONE {
-                let next = self.next[at as usize];
+                let next = self.points[at as usize].next;
                 worst = worst.max(self.place(at, x));
                 at = next;
             }
@@ -279,12 +285,12 @@ impl Witnesses {
     /// Puts a witness on the triangle it lies over; its squared distance.
     #[inline]
     fn place(&mut self, witness: u32, x: Vec3) -> f32 {
-        let (distance, triangle) = self.nearest(self.positions[witness as usize] - x);
+        let (distance, triangle) = self.nearest(self.points[witness as usize].position - x);
         if let Some(placed) = self.placed.get_mut(witness as usize) {
             *placed = distance;
         }
         if triangle != NONE {
-            self.next[witness as usize] = self.head[triangle as usize];
+            self.points[witness as usize].next = self.head[triangle as usize];
             self.head[triangle as usize] = witness;
         }
         distance

@@ -1,0 +1,106 @@
+//! Puts a sequence that was found tile by tile in order of cost, and cuts it where its targets are reached.
+//!
+//! Two steps may change places unless one needs the other: unless the later one merges a point whose triangles the
+//! earlier one changed. The engine gives every step a rank that is no less than those of the steps it needs, so a
+//! stable sort by rank is a valid sequence with the same patches, and the same errors.
+
+use crate::mesh::NONE;
+
+use super::options::Limits;
+use super::sequence::CollapseSequence;
+
+/// Sorts the steps of every batch by rank, stably. O(steps + vertices + triangles).
+pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
+    let steps = sequence.step_error.len();
+    let mut order: Vec<u32> = (0..steps as u32).collect();
+    let mut start = 0;
+    for &end in &sequence.batch_end {
+        order[start..end as usize].sort_by_key(|&step| ranks[step as usize]);
+        start = end as usize;
+    }
+
+    // New vertices are numbered in order of creation.
+    let input = sequence.input_vertices;
+    let made = new_vertices_of_steps(sequence);
+    let mut number = vec![NONE; sequence.new_vertices.len()];
+    let mut next = input;
+    for &step in &order {
+        for new in made[step as usize]..made[step as usize + 1] {
+            number[new as usize] = next;
+            next += 1;
+        }
+    }
+    let rename = |vertex: u32| match vertex.checked_sub(input) {
+        Some(new) => number[new as usize],
+        None => vertex,
+    };
+    let mut new_vertices = sequence.new_vertices.clone();
+    for (new, &at) in sequence.new_vertices.iter().zip(&number) {
+        let mut new = *new;
+        new.from = new.from.map(rename);
+        new_vertices[(at - input) as usize] = new;
+    }
+    sequence.new_vertices = new_vertices;
+
+    let mut substitutions = Vec::with_capacity(sequence.substitutions.len());
+    let mut step_start = Vec::with_capacity(steps + 1);
+    step_start.push(0);
+    let mut place = vec![0u32; steps];
+    for (at, &step) in order.iter().enumerate() {
+        place[step as usize] = at as u32;
+        substitutions.extend(sequence.substitutions(step as usize).iter().map(|s| s.map(rename)));
+        step_start.push(substitutions.len() as u32);
+    }
+    sequence.substitutions = substitutions;
+    sequence.step_start = step_start;
+    sequence.step_error = order.iter().map(|&step| sequence.step_error[step as usize]).collect();
+    sequence.accumulate_errors();
+
+    let mut gone = vec![0u32; steps + 1];
+    for end in sequence.triangle_end.iter_mut().filter(|end| **end != 0 && **end != NONE) {
+        *end = place[*end as usize - 1] + 1;
+        gone[*end as usize] += 1;
+    }
+    for step in 1..=steps {
+        sequence.triangles_after[step] = sequence.triangles_after[step - 1] - gone[step];
+    }
+}
+
+/// Cuts a sequence after the first step at which the targets are reached. `vertices` is how many a triangle uses at
+/// the start.
+pub(super) fn cut(sequence: &mut CollapseSequence, limits: &Limits, vertices: usize) {
+    let made = new_vertices_of_steps(sequence);
+    let reached = (0..=sequence.step_error.len()).find(|&step| {
+        let live = (vertices + made[step] as usize).saturating_sub(sequence.step_start[step] as usize);
+        limits.reached(sequence.triangles_after[step] as usize, live)
+    });
+    let Some(steps) = reached else { return };
+    sequence.new_vertices.truncate(made[steps] as usize);
+    sequence.substitutions.truncate(sequence.step_start[steps] as usize);
+    sequence.step_start.truncate(steps + 1);
+    sequence.step_error.truncate(steps);
+    sequence.max_error.truncate(steps);
+    sequence.triangles_after.truncate(steps + 1);
+    for end in sequence.triangle_end.iter_mut().filter(|end| **end as usize > steps) {
+        *end = NONE;
+    }
+    sequence.batch_end.retain(|&end| (end as usize) < steps);
+    if steps > 0 {
+        sequence.batch_end.push(steps as u32);
+    }
+}
+
+/// Per step the number of new vertices made before it; one more than steps.
+fn new_vertices_of_steps(sequence: &CollapseSequence) -> Vec<u32> {
+    let input = sequence.input_vertices;
+    let mut made = Vec::with_capacity(sequence.step_error.len() + 1);
+    made.push(0);
+    let mut most = 0;
+    for step in 0..sequence.step_error.len() {
+        for &[_, to] in sequence.substitutions(step) {
+            most = most.max((to + 1).saturating_sub(input));
+        }
+        made.push(most);
+    }
+    made
+}
