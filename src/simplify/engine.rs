@@ -81,12 +81,23 @@ mod state {
     pub const TOUCHED: u8 = 8;
 }
 
-pub(super) struct Engine<'a, M> {
-    pub metric: &'a mut M,
+/// What the engine is asked to do, besides the metric.
+pub(super) struct Plan<'a> {
     pub placement: Placement,
     pub order: Order,
     pub oracles: &'a [Box<dyn Oracle>],
     pub limits: Limits,
+    /// Object units.
+    pub join_distance: f32,
+    pub measure: ErrorMeasure,
+}
+
+pub(super) struct Engine<'a, M> {
+    metric: &'a mut M,
+    placement: Placement,
+    order: Order,
+    oracles: &'a [Box<dyn Oracle>],
+    limits: Limits,
     surface: Surface,
     partners: Partners,
     recorder: Recorder,
@@ -107,16 +118,8 @@ pub(super) struct Engine<'a, M> {
 }
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
-    pub fn new(
-        mesh: &Mesh,
-        metric: &'a mut M,
-        placement: Placement,
-        order: Order,
-        oracles: &'a [Box<dyn Oracle>],
-        limits: Limits,
-        join_distance: f32,
-        measure: ErrorMeasure,
-    ) -> Self {
+    pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
+        let Plan { placement, order, oracles, limits, join_distance, measure } = plan;
         let topology = Topology::new(mesh);
         let surface = Surface::new(mesh, &topology);
         let recorder = Recorder::new(mesh, &topology, &surface);

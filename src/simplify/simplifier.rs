@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
 
-use super::engine::Engine;
+use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric};
 use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
@@ -146,16 +146,15 @@ impl<M: ErrorMetric> Simplifier<M> {
             let value = f64::from(self.join_distance);
             return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
         }
-        let engine = Engine::new(
-            mesh,
-            &mut self.metric,
-            self.placement,
-            self.order,
-            &self.oracles,
+        let plan = Plan {
+            placement: self.placement,
+            order: self.order,
+            oracles: &self.oracles,
             limits,
-            self.join_distance,
-            self.measure,
-        );
+            join_distance: self.join_distance,
+            measure: self.measure,
+        };
+        let engine = Engine::new(mesh, &mut self.metric, plan);
         Ok(engine.run(&mut progress))
     }
 }

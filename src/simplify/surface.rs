@@ -355,6 +355,8 @@ impl Surface {
         dead.clear();
         let mut moved = std::mem::take(&mut self.scratch.moved);
         moved.clear();
+        // A point without triangles does not count already.
+        self.live_points -= usize::from(!self.stars.of(lost).is_empty());
         for &entry in self.stars.of(lost) {
             let corner = self.corner(entry);
             let [a, b] = corner.others;
@@ -376,7 +378,6 @@ impl Surface {
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
         self.live_points += usize::from(self.stars.of(kept).is_empty() && !moved.is_empty());
-        self.live_points -= 1;
         for &entry in &moved {
             self.triangles[(entry >> 2) as usize][(entry & 3) as usize] = kept;
         }
