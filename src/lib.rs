@@ -36,7 +36,7 @@
 //! |---|---|
 //! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
 //! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
-//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances |
+//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances; [`TomMesh`] to bake |
 //! | `quality` | distances between meshes, volume, pictures without a graphics card (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | what can be wrong with arrays that are handed in |
@@ -79,7 +79,7 @@ pub mod tom;
 pub use error::MeshError;
 pub use mesh::{Attribute, Mesh};
 pub use simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier, Target};
-pub use tom::{Level, Resolution, TomCursor, TomSteps, TotallyOrderedMesh};
+pub use tom::{Level, Resolution, TomCursor, TomMesh, TomSteps, TotallyOrderedMesh};
 
 /// The code in the readme and the guide is compiled and run with the tests.
 #[cfg(all(doctest, feature = "io", feature = "quality"))]
