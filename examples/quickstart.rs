@@ -20,6 +20,9 @@ use multires::simplify::StopReason;
 use multires::tom::{Resolution, TotallyOrderedMesh};
 use multires::{Level, Simplifier, io};
 
+/// Levels are in the picture where their error is at most this share of the diagonal.
+const PICTURED: f64 = 0.05;
+
 /// The levels shown, in percent of the triangles.
 const PERCENTS: [f32; 10] = [100.0, 50.0, 25.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
 /// Times that an extraction is repeated for its median.
@@ -104,7 +107,9 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
         );
         let level = sequence.extract(&mesh, steps);
         io::write(out.join(format!("level-{percent}.ply")), &level)?;
-        levels.push((caption(percent, resolution), level));
+        if f64::from(error) <= PICTURED * diagonal {
+            levels.push((caption(percent, resolution), level));
+        }
         if resolution == tom.coarsest() {
             println!("        the base mesh: nothing is coarser");
             break;
@@ -113,7 +118,11 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
 
     let file = out.join("levels.png");
     picture::save(picture::levels(&mesh, &levels)?, &file).map_err(|error| name_file(&file, &*error))?;
-    println!("\n{} and the levels as PLY beside it", file.display());
+    println!(
+        "\n{}: the levels within {} % of the diagonal; all of them as PLY beside it",
+        file.display(),
+        100.0 * PICTURED
+    );
     Ok(())
 }
 

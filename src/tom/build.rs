@@ -165,6 +165,10 @@ fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark>
     let (base, real) = (lineage.roots as usize, lineage.real as usize);
     let span = real - base;
     let stride = MARK_STRIDE.min(span.div_ceil(FEW_MARKS)).max(span.div_ceil(MOST_MARKS - 1)).max(1);
+    // Half of them evenly, half where coarse levels follow each other fast: every share of the vertices there.
+    let (even, budget) = (2 * stride, span as f64 / stride as f64 / 2.0);
+    let dense = |share: usize| share as f64 * ((share * even) as f64 / base.max(1) as f64).max(1.0).ln();
+    let share = (1..=16).rev().find(|&share| dense(share) <= budget).unwrap_or(0);
     let mut marks: Vec<ErrorMark> = Vec::new();
     let mut next = base;
     // The boundary below vertex v is the level just after the step that removes v.
@@ -173,7 +177,7 @@ fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark>
         let first = v == base || removed != lineage.removed[v - 1];
         if first && v >= next {
             marks.push(ErrorMark { vertices: v as u32, error: sequence.error_after(removed as usize) });
-            next = v + stride;
+            next = v + if share == 0 { stride } else { even.min(v / share).max(1) };
         }
     }
     if marks.is_empty() && real > 0 {
