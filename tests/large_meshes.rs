@@ -16,6 +16,7 @@ fn large() -> multires::mesh::Mesh {
 
 /// The sequence is whole: as many triangles as it says, each level closed, the errors as they should be.
 fn check(mesh: &multires::mesh::Mesh, sequence: &CollapseSequence) {
+    sequence.validate().expect("a valid sequence");
     for part in [0.5, 0.1, 0.01] {
         let steps = sequence.steps_for_triangles((mesh.triangles().len() as f64 * part) as usize);
         let level = sequence.extract(mesh, steps);

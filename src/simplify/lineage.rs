@@ -9,8 +9,9 @@
 //! children. Two vertices become one at the lower of the two children through which their paths reach their lowest
 //! common ancestor; skew-binary jump pointers (Myers 1983) find it in O(log n) however long the chains are.
 
-use crate::mesh::{MAX_ELEMENTS, Mesh, NONE};
+use crate::mesh::{Mesh, NONE};
 
+use super::sequence_check::expect;
 use super::{CollapseSequence, SequenceError};
 
 /// Vertices of a sequence by reverse order of removal, and the forest of their substitutions.
@@ -33,9 +34,11 @@ impl Lineage {
     ///
     /// Nothing in the sequence is trusted: this is the one gate between it and every structure built from it.
     pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
-        check_tables(mesh, sequence)?;
         let inputs = mesh.positions().len();
-        let count = inputs + sequence.new_vertices.len();
+        expect("input vertices", sequence.input_vertices(), inputs)?;
+        expect("input triangles", sequence.input_triangles(), mesh.triangles().len())?;
+        sequence.check_tables()?;
+        let count = sequence.vertex_count();
         let mut parent = vec![NONE; count];
         let mut removed = vec![NONE; count];
         let mut named = vec![false; count];
@@ -195,49 +198,6 @@ impl Forest {
 /// Whether a triangle has two equal corners.
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
-}
-
-/// Everything that indexing the sequence relies on.
-fn check_tables(mesh: &Mesh, sequence: &CollapseSequence) -> Result<(), SequenceError> {
-    let expect = |what, found: usize, expected: usize| {
-        if found == expected { Ok(()) } else { Err(SequenceError::Mismatch { what, found, expected }) }
-    };
-    expect("input vertices", sequence.input_vertices as usize, mesh.positions().len())?;
-    expect("input triangles", sequence.triangle_end.len(), mesh.triangles().len())?;
-    let steps = sequence.step_error.len();
-    expect("step starts", sequence.step_start.len(), steps + 1)?;
-    expect("accumulated errors", sequence.max_error.len(), steps)?;
-    expect("first step start", sequence.step_start[0] as usize, 0)?;
-    expect("last step start", sequence.step_start[steps] as usize, sequence.substitutions.len())?;
-    if let Some(step) = sequence.step_start.windows(2).position(|w| w[0] > w[1]) {
-        return Err(SequenceError::StepOrder { step });
-    }
-    let count = mesh.positions().len() + sequence.new_vertices.len();
-    if count > 2 * MAX_ELEMENTS {
-        return Err(SequenceError::Mismatch {
-            what: "new vertices",
-            found: count,
-            expected: 2 * MAX_ELEMENTS,
-        });
-    }
-    let mut least = 0.0;
-    for (step, &error) in sequence.max_error.iter().enumerate() {
-        if error.is_nan() || error < least {
-            return Err(SequenceError::BadError { step, error });
-        }
-        least = error;
-    }
-    if let Some(new) = sequence.new_vertices.iter().position(|n| !n.position.iter().all(|x| x.is_finite())) {
-        return Err(SequenceError::BadNewVertex { new });
-    }
-    let mut earlier = 0;
-    for (batch, &end) in sequence.batch_end.iter().enumerate() {
-        if end < earlier || end as usize > steps {
-            return Err(SequenceError::BatchOrder { batch });
-        }
-        earlier = end;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

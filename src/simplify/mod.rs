@@ -10,8 +10,8 @@
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `witness.rs` | how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
-//! | `sequence_build.rs` | sequences from a simplifier of your own |
-//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
+//! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
+//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
 mod engine;
 pub(crate) mod lineage;
@@ -22,12 +22,14 @@ mod pairs;
 mod patch;
 mod placement;
 mod progressive;
+mod progressive_check;
 mod queue;
 mod recorder;
 mod reorder;
 mod report;
 mod sequence;
 mod sequence_build;
+mod sequence_check;
 mod simplifier;
 mod surface;
 mod travel;
@@ -39,6 +41,7 @@ pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;
 pub use progressive::{ProgressiveMesh, VertexSplit};
+pub use progressive_check::ProgressiveError;
 pub use report::{Refusal, SimplifyReport, StopReason};
 pub use sequence::{CollapseSequence, NewVertex, Origin};
 pub use sequence_build::SequenceError;

@@ -325,16 +325,16 @@ pub struct NormalFlip {
 }
 
 impl Default for NormalFlip {
-    /// 75 degrees.
+    /// 78 degrees.
     fn default() -> Self {
-        Self::degrees(75.0)
+        Self::degrees(78.0)
     }
 }
 
 impl NormalFlip {
     /// Normals may turn by at most this many degrees, 0 to 180 (clamped), in one collapse.
     pub fn degrees(angle: f32) -> Self {
-        let angle = if angle.is_nan() { 75.0 } else { angle.clamp(0.0, 180.0) };
+        let angle = if angle.is_nan() { 78.0 } else { angle.clamp(0.0, 180.0) };
         Self { cos: (f64::from(angle).to_radians().cos()) as f32 }
     }
 }

@@ -26,33 +26,37 @@ use super::{CollapseSequence, Origin, SequenceError};
 ///
 /// Holds everything it needs: positions of every level, but no attributes; carry those along by
 /// [`ProgressiveMesh::vertex_order`]. Levels are counted as in the sequence: after 0 steps it is the input.
+/// Serde keeps the level, and validates ([`ProgressiveMesh::validate`]).
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::progressive_check::Parts"))]
 pub struct ProgressiveMesh {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    vertex_order: Vec<u32>,
-    triangle_order: Vec<u32>,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) vertex_order: Vec<u32>,
+    pub(super) triangle_order: Vec<u32>,
     /// Vertices, triangles and places after so many steps; one more than steps. Those of a step lie between the counts
     /// after it and before it.
-    vertices_after: Vec<u32>,
-    triangles_after: Vec<u32>,
-    places_after: Vec<u32>,
+    pub(super) vertices_after: Vec<u32>,
+    pub(super) triangles_after: Vec<u32>,
+    pub(super) places_after: Vec<u32>,
     /// `[k, l]` of all steps, `l` counting up from the base.
-    parted: Vec<[u32; 2]>,
+    pub(super) parted: Vec<[u32; 2]>,
     /// Per `[k, l]` where its corners start; one more than those.
-    corner_start: Vec<u32>,
-    corners: Vec<u32>,
-    places: Vec<Place>,
-    batches: Vec<u32>,
-    steps: usize,
+    pub(super) corner_start: Vec<u32>,
+    pub(super) corners: Vec<u32>,
+    pub(super) places: Vec<Place>,
+    pub(super) batches: Vec<u32>,
+    pub(super) steps: usize,
 }
 
 /// A slot that lies elsewhere before a step than after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
-    slot: u32,
-    fine: [f32; 3],
-    coarse: [f32; 3],
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Place {
+    pub slot: u32,
+    pub fine: [f32; 3],
+    pub coarse: [f32; 3],
 }
 
 /// One vertex split (Southern 3.3), the inverse of one step.
@@ -231,16 +235,16 @@ impl ProgressiveMesh {
         }
     }
 
-    fn parted_range(&self, step: usize) -> Range<usize> {
+    pub(super) fn parted_range(&self, step: usize) -> Range<usize> {
         let base = self.vertices_after[self.len()] as usize;
         self.vertices_after[step + 1] as usize - base..self.vertices_after[step] as usize - base
     }
 
-    fn place_range(&self, step: usize) -> Range<usize> {
+    pub(super) fn place_range(&self, step: usize) -> Range<usize> {
         self.places_after[step + 1] as usize..self.places_after[step] as usize
     }
 
-    fn corner_range(&self, pair: usize) -> Range<usize> {
+    pub(super) fn corner_range(&self, pair: usize) -> Range<usize> {
         self.corner_start[pair] as usize..self.corner_start[pair + 1] as usize
     }
 

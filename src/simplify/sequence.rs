@@ -39,8 +39,12 @@ pub enum Origin {
 ///
 /// Vertices are numbered as in the input, then new ones in order of creation. With endpoint placement there are no new
 /// ones. Steps count from 0 (`after 0 steps` is the input).
+///
+/// Counts of steps and numbers of steps beyond the last are taken for the last or for a step that does nothing, as each
+/// method says; serde validates ([`CollapseSequence::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::sequence_check::Parts"))]
 pub struct CollapseSequence {
     pub(crate) input_vertices: u32,
     pub(crate) new_vertices: Vec<NewVertex>,
@@ -73,6 +77,12 @@ impl CollapseSequence {
         self.step_error.is_empty()
     }
 
+    /// Whether a mesh has as many vertices and triangles as the input. Others show nothing:
+    /// [`CollapseSequence::triangles_at`] and [`CollapseSequence::extract`] give none. O(1).
+    pub fn fits(&self, mesh: &Mesh) -> bool {
+        mesh.positions().len() == self.input_vertices() && mesh.triangles().len() == self.input_triangles()
+    }
+
     /// What was reached and why it stopped.
     pub fn report(&self) -> &SimplifyReport {
         &self.report
@@ -81,6 +91,11 @@ impl CollapseSequence {
     /// Number of vertices of the input.
     pub fn input_vertices(&self) -> usize {
         self.input_vertices as usize
+    }
+
+    /// Number of vertices, input and new.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.input_vertices as usize + self.new_vertices.len()
     }
 
     /// Number of triangles of the input, degenerate ones included.
@@ -99,25 +114,30 @@ impl CollapseSequence {
         &self.aliases
     }
 
-    /// The substitutions `[from, to]` of one step.
+    /// The substitutions `[from, to]` of one step; none where there is no such step.
     pub fn substitutions(&self, step: usize) -> &[[u32; 2]] {
-        &self.substitutions[self.step_start[step] as usize..self.step_start[step + 1] as usize]
+        if step < self.len() {
+            &self.substitutions[self.step_start[step] as usize..self.step_start[step + 1] as usize]
+        } else {
+            &[]
+        }
     }
 
-    /// The error bound of the region that `step` changed, object units. What it bounds: see
-    /// [`Simplifier`](super::Simplifier).
+    /// The error bound of the region that `step` changed, object units; 0 where there is no such step. What
+    /// it bounds: see [`Simplifier`](super::Simplifier).
     pub fn step_error(&self, step: usize) -> f32 {
-        self.step_error[step]
+        self.step_error.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The error bound of the whole mesh after `steps` steps, object units: never decreases with `steps`.
+    /// The error bound of the whole mesh after `steps` steps (all, if there are fewer), object units: never decreases
+    /// with `steps`.
     pub fn error_after(&self, steps: usize) -> f32 {
-        steps.checked_sub(1).map_or(0.0, |last| self.max_error[last])
+        steps.min(self.len()).checked_sub(1).map_or(0.0, |last| self.max_error[last])
     }
 
-    /// Triangles left after `steps` steps; degenerate input triangles do not count.
+    /// Triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
     pub fn triangles_after(&self, steps: usize) -> usize {
-        self.triangles_after[steps] as usize
+        self.triangles_after[steps.min(self.len())] as usize
     }
 
     /// Steps done at the end of each batch; linear order has one batch.
@@ -141,21 +161,20 @@ impl CollapseSequence {
         self.max_error.partition_point(|&e| e <= error)
     }
 
-    /// Where a vertex comes from.
+    /// Where a vertex comes from. A number beyond the last vertex is given back as if it were the input's.
     pub fn origin(&self, vertex: u32) -> Origin {
-        match vertex.checked_sub(self.input_vertices) {
-            Some(new) => Origin::Blend(self.new_vertices[new as usize]),
-            None => Origin::Input(vertex),
-        }
+        let new = vertex.checked_sub(self.input_vertices).and_then(|new| self.new_vertices.get(new as usize));
+        new.map_or(Origin::Input(vertex), |&new| Origin::Blend(new))
     }
 
-    /// The vertex that stands for each vertex (input and new) after `steps` steps. O(vertices).
+    /// The vertex that stands for each vertex (input and new) after `steps` steps (all, if there are fewer).
+    /// O(vertices).
     pub fn representatives(&self, steps: usize) -> Vec<u32> {
-        let count = self.input_vertices as usize + self.new_vertices.len();
-        let mut to: Vec<u32> = (0..count as u32).collect();
+        let mut to: Vec<u32> = (0..self.vertex_count() as u32).collect();
         if steps > 0 {
+            let done = self.step_start[steps.min(self.len())] as usize;
             // Later substitutions first: each target is then already resolved.
-            for &[from, target] in self.substitutions[..self.step_start[steps] as usize].iter().rev() {
+            for &[from, target] in self.substitutions[..done].iter().rev() {
                 to[from as usize] = to[target as usize];
             }
             for &[duplicate, kept] in &self.aliases {
@@ -165,24 +184,33 @@ impl CollapseSequence {
         to
     }
 
-    /// The triangles left after `steps` steps, in input order, and the input triangle each is the image of. After 0
-    /// steps, the input's own triangles verbatim (degenerate ones included).
+    /// The triangles left after `steps` steps (all, if there are fewer), in input order, and the input triangle each is
+    /// the image of. After 0 steps, the input's own triangles verbatim (degenerate ones included). None of a mesh that
+    /// does not fit ([`CollapseSequence::fits`]).
     pub fn triangles_at(&self, mesh: &Mesh, steps: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
+        if !self.fits(mesh) {
+            return (Vec::new(), Vec::new());
+        }
         let to = self.representatives(steps);
-        let alive = |t: usize| steps == 0 || self.triangle_end[t] as usize > steps;
+        let last = steps.min(self.len());
+        let alive = |t: usize| steps == 0 || self.triangle_end[t] as usize > last;
         let origin: Vec<u32> = (0..self.triangle_end.len()).filter(|&t| alive(t)).map(|t| t as u32).collect();
         let image = origin.iter().map(|&t| mesh.triangles()[t as usize].map(|v| to[v as usize])).collect();
         (image, origin)
     }
 
-    /// The level of detail after `steps` steps as a mesh of its own, with attributes, materials and locks. Only
-    /// vertices that a triangle uses are kept, in order of first use; after 0 steps the input itself. O(input).
+    /// The level of detail after `steps` steps (all, if there are fewer) as a mesh of its own, with attributes,
+    /// materials and locks. Only vertices that a triangle uses are kept, in order of first use; after 0 steps the input
+    /// itself. Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
     pub fn extract(&self, mesh: &Mesh, steps: usize) -> Mesh {
+        if !self.fits(mesh) {
+            return Mesh::default();
+        }
         if steps == 0 {
             return mesh.clone();
         }
         let (mut triangles, origin) = self.triangles_at(mesh, steps);
-        let mut number = vec![NONE; self.input_vertices as usize + self.new_vertices.len()];
+        let mut number = vec![NONE; self.vertex_count()];
         let mut used = Vec::new();
         for corner in triangles.as_flattened_mut() {
             let n = &mut number[*corner as usize];
@@ -227,13 +255,7 @@ impl CollapseSequence {
     }
 
     /// A mesh of the given vertices of this sequence.
-    pub(crate) fn assemble(
-        &self,
-        mesh: &Mesh,
-        vertices: &[u32],
-        triangles: Vec<[u32; 3]>,
-        materials: Vec<u32>,
-    ) -> Mesh {
+    fn assemble(&self, mesh: &Mesh, vertices: &[u32], triangles: Vec<[u32; 3]>, materials: Vec<u32>) -> Mesh {
         let position = |v: u32| match self.origin(v) {
             Origin::Input(v) => mesh.positions()[v as usize],
             Origin::Blend(new) => new.position,

@@ -8,6 +8,7 @@ use crate::mesh::{MAX_ELEMENTS, Mesh, NONE, Topology};
 
 use super::lineage::Lineage;
 use super::report::{SimplifyReport, StopReason};
+use super::sequence_check::check_new_vertices;
 use super::{CollapseSequence, NewVertex};
 
 /// What is wrong with a sequence of collapses, or with the mesh it is put to.
@@ -63,8 +64,11 @@ pub enum SequenceError {
         /// The vertex.
         vertex: u32,
     },
-    /// An error bound is negative or not finite, or accumulated bounds decrease.
-    #[error("step {step} has the error bound {error}, which is negative, not finite or below an earlier one")]
+    /// An error bound is negative or not finite, or an accumulated one (or that reported for all steps) is not the
+    /// largest so far.
+    #[error(
+        "step {step} has the error bound {error}, which is negative, not finite or not the largest so far"
+    )]
     BadError {
         /// Index of the step.
         step: usize,
@@ -77,6 +81,24 @@ pub enum SequenceError {
     BadNewVertex {
         /// Index among the new vertices.
         new: usize,
+    },
+    /// A triangle vanishes with a step that does not exist.
+    #[error("triangle {triangle} vanishes with step {end} of fewer")]
+    TriangleEnd {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The number of steps after which it is said to be gone.
+        end: u32,
+    },
+    /// The triangles left are not those that have not vanished.
+    #[error("after {steps} steps {found} triangles are said to be left, but {expected} have not vanished")]
+    TriangleCount {
+        /// The number of steps.
+        steps: usize,
+        /// Triangles said to be left.
+        found: usize,
+        /// Triangles that vanish later or never.
+        expected: usize,
     },
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
@@ -118,15 +140,7 @@ impl CollapseSequence {
         steps: impl IntoIterator<Item = (S, f32)>,
     ) -> Result<Self, SequenceError> {
         let inputs = mesh.positions().len();
-        for (new, vertex) in new_vertices.iter().enumerate() {
-            let blends = vertex.from.iter().all(|&v| (v as usize) < inputs + new);
-            if !blends
-                || !(0.0..=1.0).contains(&vertex.weight)
-                || !vertex.position.iter().all(|x| x.is_finite())
-            {
-                return Err(SequenceError::BadNewVertex { new });
-            }
-        }
+        check_new_vertices(inputs, new_vertices)?;
         let topology = Topology::new(mesh);
         let wedge_of = topology.wedge_of();
         let mut sequence = Self {

@@ -47,7 +47,7 @@ pub struct Rules {
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative)]
     pub join_distance: f64,
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
-    #[arg(long, value_name = "A", default_value_t = 75.0, value_parser = degrees)]
+    #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
     /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]

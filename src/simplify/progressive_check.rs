@@ -1,0 +1,307 @@
+//! Every promise of a progressive mesh, checked, so that files are let in through here only.
+//!
+//! Tables first; then all splits are made, from the base mesh up, and each is asked whether doing it again gives back
+//! what was there. The level that the mesh was at must come by on the way.
+
+use crate::mesh::{MAX_ELEMENTS, NONE};
+
+use super::ProgressiveMesh;
+
+/// What is wrong with the parts of a [`ProgressiveMesh`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProgressiveError {
+    /// A table is longer or shorter than the others ask for.
+    #[error("there are {found} {what} where {expected} are needed")]
+    Length {
+        /// What was counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many are needed, or the most that are supported.
+        expected: usize,
+    },
+    /// A running count falls where it should grow, or grows where it should fall.
+    #[error("the {what} are out of order at entry {entry}")]
+    Order {
+        /// What is counted.
+        what: &'static str,
+        /// The entry that does not follow from the one before it.
+        entry: usize,
+    },
+    /// An input vertex or triangle is not there, or there twice.
+    #[error("the order of {what} names {index} at place {place}, which is not there or named before")]
+    NotPermutation {
+        /// "vertices" or "triangles".
+        what: &'static str,
+        /// The place.
+        place: usize,
+        /// What it names.
+        index: u32,
+    },
+    /// A slot lies at a non-finite position, before or after a step.
+    #[error("slot {slot} has a non-finite position")]
+    NonFinitePosition {
+        /// The slot.
+        slot: usize,
+    },
+    /// A pair `[k, l]` parts slots out of turn: `l` counts up, `k` comes earlier or is `l` itself.
+    #[error("pair {pair} parts slot {k} into {l}, which is out of turn")]
+    Pair {
+        /// Index among all pairs, from the base up.
+        pair: usize,
+        /// The slot that stays.
+        k: u32,
+        /// The slot that comes.
+        l: u32,
+    },
+    /// A triangle that comes names a slot that is not there yet.
+    #[error("triangle {triangle} names slot {slot}, which is not there when it comes")]
+    Triangle {
+        /// The triangle's place.
+        triangle: usize,
+        /// The slot.
+        slot: u32,
+    },
+    /// A corner that moves is not there yet, or not at the slot that it moves from.
+    #[error("corner {corner} of pair {pair} is not at the slot that it moves from")]
+    Corner {
+        /// Index of the pair.
+        pair: usize,
+        /// Three times the triangle and 0 to 2.
+        corner: u32,
+    },
+    /// A slot that moves is not there yet, does not lie where it moves from, or moves twice in a step.
+    #[error("move {place} does not start where slot {slot} lies, or is not its only one")]
+    Place {
+        /// Index among all moves.
+        place: usize,
+        /// The slot.
+        slot: u32,
+    },
+    /// What is shown is not the level that it is said to be.
+    #[error("the mesh shown is not that after {steps} steps")]
+    Level {
+        /// The level it is said to be at.
+        steps: usize,
+    },
+}
+
+use ProgressiveError as Error;
+
+impl ProgressiveMesh {
+    /// Proves what every other call relies on: levels are prefixes, and every split undoes a step that redoes exactly.
+    /// O(vertices + triangles + corners that move), with a copy of the whole.
+    ///
+    /// Holds for whatever [`ProgressiveMesh::new`] makes; files are let in through it only.
+    ///
+    /// # Errors
+    /// The first element that breaks a promise.
+    pub fn validate(&self) -> Result<(), ProgressiveError> {
+        self.check_tables()?;
+        self.check_positions()?;
+        let mut mesh = self.clone();
+        mesh.seek(self.len());
+        for (triangle, corners) in mesh.triangles().iter().enumerate() {
+            mesh.check_triangle(triangle, corners)?;
+        }
+        while mesh.steps() > 0 {
+            mesh.check_split()?;
+            mesh.refine();
+            mesh.check_split_done()?;
+            self.check_level(&mesh)?;
+        }
+        Ok(())
+    }
+
+    fn check_tables(&self) -> Result<(), Error> {
+        let Some(steps) = self.vertices_after.len().checked_sub(1) else {
+            return Err(Error::Length { what: "levels", found: 0, expected: 1 });
+        };
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        for (what, found) in [("steps", steps), ("vertices", vertices), ("triangles", triangles)] {
+            expect(what, found, found.min(MAX_ELEMENTS))?;
+        }
+        expect("steps", self.steps, self.steps.min(steps))?;
+        for (what, after, most) in [
+            ("vertex counts", &self.vertices_after, vertices),
+            ("triangle counts", &self.triangles_after, triangles),
+            ("place counts", &self.places_after, self.places.len()),
+        ] {
+            expect(what, after.len(), steps + 1)?;
+            expect(what, after[0] as usize, most)?;
+            if let Some(entry) = after.windows(2).position(|w| w[0] < w[1]) {
+                return Err(Error::Order { what, entry: entry + 1 });
+            }
+        }
+        let base = self.vertices_after[steps] as usize;
+        expect("places at the base", self.places_after[steps] as usize, 0)?;
+        expect("pairs", self.parted.len(), vertices - base)?;
+        for (pair, &[k, l]) in self.parted.iter().enumerate() {
+            if l as usize != base + pair || k > l {
+                return Err(Error::Pair { pair, k, l });
+            }
+        }
+        expect("corner starts", self.corner_start.len(), self.parted.len() + 1)?;
+        expect("first corner start", self.corner_start[0] as usize, 0)?;
+        expect("last corner start", self.corner_start[self.parted.len()] as usize, self.corners.len())?;
+        if let Some(entry) = self.corner_start.windows(2).position(|w| w[0] > w[1]) {
+            return Err(Error::Order { what: "corner starts", entry: entry + 1 });
+        }
+        let beyond = self.corners.iter().position(|&corner| (corner / 3) as usize >= triangles);
+        if let Some(at) = beyond {
+            let pair = self.corner_start.partition_point(|&start| start as usize <= at) - 1;
+            return Err(Error::Corner { pair, corner: self.corners[at] });
+        }
+        check_permutation("vertices", &self.vertex_order, vertices)?;
+        check_permutation("triangles", &self.triangle_order, triangles)?;
+        let mut earlier = 0;
+        for (entry, &end) in self.batches.iter().enumerate() {
+            if end < earlier || end as usize > steps {
+                return Err(Error::Order { what: "batches", entry });
+            }
+            earlier = end;
+        }
+        expect("batched steps", earlier as usize, steps)
+    }
+
+    fn check_positions(&self) -> Result<(), Error> {
+        let finite = |p: &[f32; 3]| p.iter().all(|x| x.is_finite());
+        if let Some(slot) = self.positions.iter().position(|p| !finite(p)) {
+            return Err(Error::NonFinitePosition { slot });
+        }
+        for (place, moved) in self.places.iter().enumerate() {
+            if moved.slot as usize >= self.positions.len() || bits(moved.fine) == bits(moved.coarse) {
+                return Err(Error::Place { place, slot: moved.slot });
+            }
+            if !(finite(&moved.fine) && finite(&moved.coarse)) {
+                return Err(Error::NonFinitePosition { slot: moved.slot as usize });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the next split finds everything as the step that it undoes left it.
+    fn check_split(&self) -> Result<(), Error> {
+        let step = self.steps() - 1;
+        let (vertices, triangles) = (self.positions().len(), self.triangles().len());
+        for pair in self.parted_range(step) {
+            let [k, _] = self.parted[pair];
+            for &corner in &self.corners[self.corner_range(pair)] {
+                let triangle = (corner / 3) as usize;
+                let there = triangle < triangles && (k as usize) < vertices;
+                if !there || self.triangles[triangle][(corner % 3) as usize] != k {
+                    return Err(Error::Corner { pair, corner });
+                }
+            }
+        }
+        for place in self.place_range(step) {
+            let moved = &self.places[place];
+            let slot = moved.slot as usize;
+            if slot >= vertices || bits(self.positions[slot]) != bits(moved.coarse) {
+                return Err(Error::Place { place, slot: moved.slot });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what the last split wrote has stayed as it wrote it, and what came names what is there.
+    fn check_split_done(&self) -> Result<(), Error> {
+        let step = self.steps();
+        for pair in self.parted_range(step) {
+            let [_, l] = self.parted[pair];
+            for &corner in &self.corners[self.corner_range(pair)] {
+                if self.triangles[(corner / 3) as usize][(corner % 3) as usize] != l {
+                    return Err(Error::Corner { pair, corner });
+                }
+            }
+        }
+        for place in self.place_range(step) {
+            let moved = &self.places[place];
+            if bits(self.positions[moved.slot as usize]) != bits(moved.fine) {
+                return Err(Error::Place { place, slot: moved.slot });
+            }
+        }
+        let came = self.triangles_after[step + 1] as usize..self.triangles_after[step] as usize;
+        came.into_iter().try_for_each(|triangle| self.check_triangle(triangle, &self.triangles[triangle]))
+    }
+
+    fn check_triangle(&self, triangle: usize, corners: &[u32; 3]) -> Result<(), Error> {
+        match corners.iter().find(|&&slot| slot as usize >= self.positions().len()) {
+            Some(&slot) => Err(Error::Triangle { triangle, slot }),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether this is a level's state to the last bit, where it is that level.
+    fn check_level(&self, level: &Self) -> Result<(), Error> {
+        let same = self.steps != level.steps
+            || self.triangles == level.triangles
+                && self.positions.iter().zip(&level.positions).all(|(&a, &b)| bits(a) == bits(b));
+        if same { Ok(()) } else { Err(Error::Level { steps: self.steps }) }
+    }
+}
+
+fn bits(position: [f32; 3]) -> [u32; 3] {
+    position.map(f32::to_bits)
+}
+
+fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::Length { what, found, expected }) }
+}
+
+fn check_permutation(what: &'static str, order: &[u32], count: usize) -> Result<(), Error> {
+    expect(what, order.len(), count)?;
+    let mut place_of = vec![NONE; count];
+    for (place, &index) in order.iter().enumerate() {
+        match place_of.get_mut(index as usize) {
+            Some(known) if *known == NONE => *known = place as u32,
+            _ => return Err(Error::NotPermutation { what, place, index }),
+        }
+    }
+    Ok(())
+}
+
+/// What comes out of a file.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+pub(super) struct Parts {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    vertex_order: Vec<u32>,
+    triangle_order: Vec<u32>,
+    vertices_after: Vec<u32>,
+    triangles_after: Vec<u32>,
+    places_after: Vec<u32>,
+    parted: Vec<[u32; 2]>,
+    corner_start: Vec<u32>,
+    corners: Vec<u32>,
+    places: Vec<super::progressive::Place>,
+    batches: Vec<u32>,
+    steps: usize,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for ProgressiveMesh {
+    type Error = ProgressiveError;
+
+    fn try_from(parts: Parts) -> Result<Self, ProgressiveError> {
+        let mesh = Self {
+            positions: parts.positions,
+            triangles: parts.triangles,
+            vertex_order: parts.vertex_order,
+            triangle_order: parts.triangle_order,
+            vertices_after: parts.vertices_after,
+            triangles_after: parts.triangles_after,
+            places_after: parts.places_after,
+            parted: parts.parted,
+            corner_start: parts.corner_start,
+            corners: parts.corners,
+            places: parts.places,
+            batches: parts.batches,
+            steps: parts.steps,
+        };
+        mesh.validate()?;
+        Ok(mesh)
+    }
+}

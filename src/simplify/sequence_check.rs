@@ -1,0 +1,204 @@
+//! Every promise of a collapse sequence, checked, so that files are let in through here only.
+//!
+//! ```text
+//!     vertex   7: 3->7  7->2               its last mention may take it away, and none but the last
+//!     new      9: 4->9  5->9  9->1         its first mention makes it
+//!              \ mentions in order of time
+//! ```
+//!
+//! Mentions are sorted by vertex and time instead of being looked up by vertex: the memory used is then in proportion to
+//! what the sequence holds, and not to the number of vertices that it claims to have.
+
+use crate::mesh::{MAX_ELEMENTS, NONE};
+
+use super::{CollapseSequence, NewVertex, SequenceError};
+
+impl CollapseSequence {
+    /// Proves what every other call relies on: tables fit together, vertices are named only while they are there, error
+    /// bounds are finite and accumulate, and triangles are as many as vanish. O(n log n), n all entries.
+    ///
+    /// Holds for whatever a [`Simplifier`](super::Simplifier) or [`CollapseSequence::from_collapses`] makes; files are
+    /// let in through it only. Whether triangles vanish when the sequence says so is for the mesh to tell, and left open.
+    ///
+    /// # Errors
+    /// An element that breaks a promise.
+    pub fn validate(&self) -> Result<(), SequenceError> {
+        self.check_tables()?;
+        self.check_mentions()?;
+        self.check_triangles()?;
+        let steps = self.len();
+        expect("batched steps", self.batch_end.last().map_or(0, |&end| end as usize), steps)?;
+        expect("reported steps", self.report.steps, steps)?;
+        expect("reported triangles", self.report.triangles, self.triangles_after(steps))?;
+        expect_most("reported vertices", self.report.vertices, self.vertex_count())?;
+        if self.report.error == self.error_after(steps) {
+            Ok(())
+        } else {
+            Err(SequenceError::BadError { step: steps, error: self.report.error })
+        }
+    }
+
+    /// What indexing relies on: lengths, and the order of starts, errors and batches.
+    pub(super) fn check_tables(&self) -> Result<(), SequenceError> {
+        let steps = self.step_error.len();
+        expect_most("input vertices", self.input_vertices as usize, MAX_ELEMENTS)?;
+        expect_most("input triangles", self.triangle_end.len(), MAX_ELEMENTS)?;
+        expect_most("steps", steps, MAX_ELEMENTS)?;
+        expect_most("vertices", self.vertex_count(), 2 * MAX_ELEMENTS)?;
+        expect("step starts", self.step_start.len(), steps + 1)?;
+        expect("accumulated errors", self.max_error.len(), steps)?;
+        expect("first step start", self.step_start[0] as usize, 0)?;
+        expect("last step start", self.step_start[steps] as usize, self.substitutions.len())?;
+        if let Some(step) = self.step_start.windows(2).position(|w| w[0] > w[1]) {
+            return Err(SequenceError::StepOrder { step });
+        }
+        let mut largest: f32 = 0.0;
+        for (step, (&error, &bound)) in self.step_error.iter().zip(&self.max_error).enumerate() {
+            if !(error >= 0.0 && error.is_finite()) {
+                return Err(SequenceError::BadError { step, error });
+            }
+            largest = largest.max(error);
+            if bound != largest {
+                return Err(SequenceError::BadError { step, error: bound });
+            }
+        }
+        check_new_vertices(self.input_vertices as usize, &self.new_vertices)?;
+        let mut earlier = 0;
+        for (batch, &end) in self.batch_end.iter().enumerate() {
+            if end < earlier || end as usize > steps {
+                return Err(SequenceError::BatchOrder { batch });
+            }
+            earlier = end;
+        }
+        Ok(())
+    }
+
+    /// Whether every vertex is there when it is named. See the top of this file.
+    fn check_mentions(&self) -> Result<(), SequenceError> {
+        let inputs = self.input_vertices as usize;
+        let vertices = self.vertex_count();
+        let aliases = self.aliases.len();
+        // Each takes one vertex away; so places in the two lists together leave a bit of 32 for what happens.
+        expect_most("vertices taken away", aliases + self.substitutions.len(), vertices)?;
+        let step_of = |place: usize| match place.checked_sub(aliases) {
+            Some(at) => self.step_start.partition_point(|&start| start as usize <= at) - 1,
+            None => 0,
+        };
+
+        let mut mentions = Vec::with_capacity(2 * (aliases + self.substitutions.len()));
+        for (place, &[from, to]) in self.aliases.iter().chain(&self.substitutions).enumerate() {
+            let vertices = if place < aliases { inputs } else { vertices };
+            for (vertex, leaves) in [(from, 1), (to, 0)] {
+                if vertex as usize >= vertices {
+                    return Err(SequenceError::VertexOutOfRange { step: step_of(place), vertex, vertices });
+                }
+                mentions.push(u64::from(vertex) << 32 | (place as u64) << 1 | leaves);
+            }
+            if from == to {
+                return Err(SequenceError::SelfSubstitution { step: step_of(place), vertex: from });
+            }
+        }
+        mentions.sort_unstable();
+
+        let mut before: Option<(u32, bool)> = None;
+        for mention in mentions {
+            let (vertex, place) = ((mention >> 32) as u32, (mention as u32 >> 1) as usize);
+            let leaves = mention & 1 != 0;
+            let live = match before {
+                Some((same, left)) if same == vertex => !(left || leaves && place < aliases),
+                _ => (vertex as usize) < inputs || !leaves,
+            };
+            if !live {
+                return Err(SequenceError::NotLive { step: step_of(place), vertex });
+            }
+            before = Some((vertex, leaves));
+        }
+        Ok(())
+    }
+
+    /// Whether the triangles left are those that have not vanished yet.
+    fn check_triangles(&self) -> Result<(), SequenceError> {
+        let steps = self.len();
+        expect("triangle counts", self.triangles_after.len(), steps + 1)?;
+        let mut vanish = vec![0u32; steps + 1];
+        let mut left = 0u32;
+        for (triangle, &end) in self.triangle_end.iter().enumerate() {
+            match vanish.get_mut(end as usize) {
+                Some(count) => *count += 1,
+                None if end != NONE => return Err(SequenceError::TriangleEnd { triangle, end }),
+                None => {}
+            }
+            left += u32::from(end != 0);
+        }
+        // Those that vanish before the first step were never counted.
+        vanish[0] = 0;
+        for (steps, (&count, &gone)) in self.triangles_after.iter().zip(&vanish).enumerate() {
+            left -= gone;
+            if count != left {
+                let (found, expected) = (count as usize, left as usize);
+                return Err(SequenceError::TriangleCount { steps, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether positions are finite, weights are shares, and sources come earlier.
+pub(super) fn check_new_vertices(inputs: usize, vertices: &[NewVertex]) -> Result<(), SequenceError> {
+    for (new, vertex) in vertices.iter().enumerate() {
+        let blends = vertex.from.iter().all(|&v| (v as usize) < inputs + new);
+        let finite = vertex.position.iter().all(|x| x.is_finite());
+        if !(blends && finite && (0.0..=1.0).contains(&vertex.weight)) {
+            return Err(SequenceError::BadNewVertex { new });
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), SequenceError> {
+    if found == expected { Ok(()) } else { Err(SequenceError::Mismatch { what, found, expected }) }
+}
+
+fn expect_most(what: &'static str, found: usize, most: usize) -> Result<(), SequenceError> {
+    expect(what, found, found.min(most))
+}
+
+/// What comes out of a file.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+pub(super) struct Parts {
+    input_vertices: u32,
+    new_vertices: Vec<NewVertex>,
+    aliases: Vec<[u32; 2]>,
+    substitutions: Vec<[u32; 2]>,
+    step_start: Vec<u32>,
+    step_error: Vec<f32>,
+    max_error: Vec<f32>,
+    triangles_after: Vec<u32>,
+    triangle_end: Vec<u32>,
+    batch_end: Vec<u32>,
+    report: super::SimplifyReport,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for CollapseSequence {
+    type Error = SequenceError;
+
+    fn try_from(parts: Parts) -> Result<Self, SequenceError> {
+        let sequence = Self {
+            input_vertices: parts.input_vertices,
+            new_vertices: parts.new_vertices,
+            aliases: parts.aliases,
+            substitutions: parts.substitutions,
+            step_start: parts.step_start,
+            step_error: parts.step_error,
+            max_error: parts.max_error,
+            triangles_after: parts.triangles_after,
+            triangle_end: parts.triangle_end,
+            batch_end: parts.batch_end,
+            report: parts.report,
+        };
+        sequence.validate()?;
+        Ok(sequence)
+    }
+}
