@@ -89,13 +89,11 @@ impl ClassQueue {
         }
         self.waiting += usize::from(*waits == NONE);
         *waits = class;
-        if class < self.band[1] {
-            if self.tile.contains(&(point as usize)) {
-                // A cost below the class being served joins that class.
-                let class = class.max(self.current);
-                self.class_of[point as usize] = class;
-                self.classes[(class - self.band[0]) as usize].entries.push(point);
-            }
+        if class < self.band[1] && self.tile.contains(&(point as usize)) {
+            // A cost below the class being served joins that class.
+            let class = class.max(self.current);
+            self.class_of[point as usize] = class;
+            self.classes[(class - self.band[0]) as usize].entries.push(point);
         }
         if class >= self.band[1] || (point as usize) < self.tile.start {
             self.least_beyond = self.least_beyond.min(class);

@@ -61,8 +61,10 @@ pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
         *end = place[*end as usize - 1] + 1;
         gone[*end as usize] += 1;
     }
-    for step in 1..=steps {
-        sequence.triangles_after[step] = sequence.triangles_after[step - 1] - gone[step];
+    let mut left = sequence.triangles_after[0];
+    for (after, gone) in sequence.triangles_after.iter_mut().zip(gone) {
+        left -= gone;
+        *after = left;
     }
 }
 

@@ -177,7 +177,7 @@ fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark>
         let first = v == base || removed != lineage.removed[v - 1];
         if first && v >= next {
             marks.push(ErrorMark { vertices: v as u32, error: sequence.error_after(removed as usize) });
-            next = v + if share == 0 { stride } else { even.min(v / share).max(1) };
+            next = v + v.checked_div(share).map_or(stride, |dense| dense.clamp(1, even));
         }
     }
     if marks.is_empty() && real > 0 {
