@@ -584,9 +584,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 self.state[pair.kept as usize] |= state::STALE;
                 // Costs of pairs that were there before only grew; those with new neighbours are new.
                 ring.clear();
-                let thirds = self.patch.thirds();
                 let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
-                ring.extend(others.filter(|n| !thirds.contains(n)));
+                ring.extend(others.filter(|&n| !self.patch.has_third(n)));
                 ring.iter().for_each(|&n| self.offer(pair.kept, n));
             }
             ring.clear();
@@ -664,7 +663,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
     let ab = b - a;
     let length = ab.length_squared();
-    if length > 0.0 { ((x - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 }
+    // Far away products overflow; `max` takes what is not a number to 0, `clamp` would keep it.
+    if length > 0.0 { ((x - a).dot(ab) / length).max(0.0).min(1.0) } else { 0.0 }
 }
 
 /// How the error of a step is found.

@@ -242,12 +242,9 @@ impl Oracle for LinkCondition {
         let Pair { lost, kept } = collapse.pair;
         let thirds = collapse.patch.thirds();
         // Each triangle on the edge must have a third corner of its own.
-        let distinct = match thirds {
-            [] | [_] => true,
-            [a, b] => a != b,
-            _ => thirds.iter().enumerate().all(|(i, third)| !thirds[..i].contains(third)),
-        };
-        if !distinct || thirds.len() > 1 && surface.is_border(lost) && surface.is_border(kept) {
+        if !collapse.patch.thirds_differ()
+            || thirds.len() > 1 && surface.is_border(lost) && surface.is_border(kept)
+        {
             // The second: two borders would meet in a point.
             return false;
         }
@@ -255,7 +252,7 @@ impl Oracle for LinkCondition {
         for facet in collapse.patch.facets_of_lost() {
             let [a, b] = facet.others;
             let (near_a, near_b) = (near.contains(a), near.contains(b));
-            if near_a && !thirds.contains(&a) || near_b && !thirds.contains(&b) {
+            if near_a && !collapse.patch.has_third(a) || near_b && !collapse.patch.has_third(b) {
                 return false;
             }
             // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
@@ -270,11 +267,16 @@ impl Oracle for LinkCondition {
 }
 
 fn edge_count(surface: &Surface, u: u32, v: u32) -> usize {
-    surface.star(u).filter(|corner| corner.others.contains(&v)).count()
+    // Asked from the side with fewer triangles: the other may be a hub.
+    let (from, to) = if surface.valence(u) <= surface.valence(v) { (u, v) } else { (v, u) };
+    surface.star(from).filter(|corner| corner.others.contains(&to)).count()
 }
 
 fn has_triangle(surface: &Surface, point: u32, a: u32, b: u32) -> bool {
-    surface.star(point).any(|corner| corner.others == [a, b] || corner.others == [b, a])
+    let mut corners = [point, a, b];
+    corners.sort_unstable_by_key(|&p| surface.valence(p));
+    let [from, p, q] = corners;
+    surface.star(from).any(|corner| corner.others == [p, q] || corner.others == [q, p])
 }
 
 /// Tells neighbours of a point: from a short list of fixed length (which compares in a few vector instructions), or

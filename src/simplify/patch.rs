@@ -70,7 +70,12 @@ pub struct Patch {
     /// How many of the facets come from the lost point's star; the others are the kept point's.
     of_lost: usize,
     thirds: Vec<u32>,
+    /// The thirds in order where they are many, else empty.
+    sorted_thirds: Vec<u32>,
 }
+
+/// Up to so many thirds are searched one by one.
+const FEW_THIRDS: usize = 8;
 
 impl Patch {
     /// Gathers the patch of merging `pair` at `x`. The kept point's triangles are part of it only where it moves.
@@ -81,6 +86,11 @@ impl Patch {
         self.of_lost = self.facets.len();
         if surface.at(pair.kept) != x {
             self.add_star(surface, pair.kept, pair.lost, x, false);
+        }
+        self.sorted_thirds.clear();
+        if self.thirds.len() > FEW_THIRDS {
+            self.sorted_thirds.extend_from_slice(&self.thirds);
+            self.sorted_thirds.sort_unstable();
         }
     }
 
@@ -124,5 +134,28 @@ impl Patch {
     #[inline]
     pub fn thirds(&self) -> &[u32] {
         &self.thirds
+    }
+
+    /// Whether a point is one of [`Patch::thirds`]. O(log thirds).
+    #[inline]
+    pub(crate) fn has_third(&self, point: u32) -> bool {
+        if self.sorted_thirds.is_empty() {
+            self.thirds.contains(&point)
+        } else {
+            self.sorted_thirds.binary_search(&point).is_ok()
+        }
+    }
+
+    /// Whether no point is a third twice. O(thirds).
+    #[inline]
+    pub(crate) fn thirds_differ(&self) -> bool {
+        match self.thirds[..] {
+            [] | [_] => true,
+            [a, b] => a != b,
+            _ if self.sorted_thirds.is_empty() => {
+                self.thirds.iter().enumerate().all(|(i, third)| !self.thirds[..i].contains(third))
+            }
+            _ => self.sorted_thirds.windows(2).all(|pair| pair[0] != pair[1]),
+        }
     }
 }

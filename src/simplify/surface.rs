@@ -315,6 +315,8 @@ impl Surface {
 
     /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
     pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
+        // From the side with fewer triangles: the other may be a hub.
+        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
         let mut count = 0;
         let mut bits = 0;
@@ -337,6 +339,23 @@ impl Surface {
             2 => Some(bits),
             _ => Some(bits | kind::NON_MANIFOLD),
         }
+    }
+
+    /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
+    /// edge of many triangles the third tells.
+    pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
+        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
+        let mut first: Option<(u32, [u32; 2])> = None;
+        let mut count = 0;
+        for corner in self.star(u) {
+            let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
+            count += 1;
+            let (material, ends) = (self.material(corner.triangle), self.edge_vertices(corner, side));
+            if count > 2 || *first.get_or_insert((material, ends)) != (material, ends) {
+                return true;
+            }
+        }
+        count == 1
     }
 
     /// The vertices of `corner`'s point and of its other number `side`.
@@ -366,14 +385,18 @@ impl Surface {
                 moved.push(entry);
             }
         }
-        for &triangle in dead.iter() {
-            for point in self.triangles[triangle as usize] {
-                if point != lost {
-                    self.stars.remove(point, triangle);
-                    self.live_points -= usize::from(self.stars.of(point).is_empty());
+        if dead.len() <= 2 {
+            for &triangle in dead.iter() {
+                for point in self.triangles[triangle as usize] {
+                    if point != lost {
+                        self.stars.remove(point, triangle);
+                        self.live_points -= usize::from(self.stars.of(point).is_empty());
+                    }
                 }
+                self.triangles[triangle as usize] = [NONE; 3];
             }
-            self.triangles[triangle as usize] = [NONE; 3];
+        } else {
+            self.remove_many(lost, dead);
         }
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
@@ -385,6 +408,23 @@ impl Surface {
         self.stars.append(kept, &moved);
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
+    }
+
+    /// Takes many triangles around `lost` out of the other points' stars, each star in one pass.
+    fn remove_many(&mut self, lost: u32, dead: &[u32]) {
+        let mut points = std::mem::take(&mut self.scratch.neighbours);
+        points.clear();
+        for &triangle in dead {
+            let corners = std::mem::replace(&mut self.triangles[triangle as usize], [NONE; 3]);
+            points.extend(corners.into_iter().filter(|&point| point != lost));
+        }
+        points.sort_unstable();
+        points.dedup();
+        for &point in &points {
+            self.stars.retain(point, |triangle| self.triangles[triangle as usize][0] != NONE);
+            self.live_points -= usize::from(self.stars.of(point).is_empty());
+        }
+        self.scratch.neighbours = points;
     }
 
     /// Replaces the vertex at every corner of `point`'s star by `map` (after the collapse into it).
@@ -413,6 +453,9 @@ impl Surface {
         let mut around = std::mem::take(&mut self.scratch.moved);
         around.clear();
         around.extend(self.star(point).flat_map(|corner| corner.others));
+        // Each once: a neighbour may be a hub, and share many triangles with this point.
+        around.sort_unstable();
+        around.dedup();
         self.classify_point(point);
         for &neighbour in &around {
             self.classify_point(neighbour);
@@ -598,6 +641,25 @@ impl Stars {
     }
 
     fn remove(&mut self, point: u32, triangle: u32) {
+        let Span { start, len, .. } = self.spans[point as usize];
+        let star = &mut self.pool[start..start + len as usize];
+        if star.len() > 64 {
+            // A hub: search and move in wide steps. A triangle is there once.
+            let is_it = |entry: &u32| entry >> 2 == triangle;
+            let mut chunks = star.chunks(32);
+            let chunk = chunks.position(|chunk| chunk.iter().fold(false, |any, entry| any | is_it(entry)));
+            let start = 32 * chunk.unwrap_or(0);
+            if let Some(at) = star[start..].iter().position(is_it) {
+                star.copy_within(start + at + 1.., start + at);
+                self.spans[point as usize].len -= 1;
+            }
+            return;
+        }
+        self.retain(point, |other| other != triangle);
+    }
+
+    #[inline]
+    fn retain(&mut self, point: u32, keep: impl Fn(u32) -> bool) {
         let span = &mut self.spans[point as usize];
         let star = &mut self.pool[span.start..span.start + span.len as usize];
         // Compaction without a branch on where it is.
@@ -605,7 +667,7 @@ impl Stars {
         for i in 0..star.len() {
             let entry = star[i];
             star[kept] = entry;
-            kept += usize::from(entry >> 2 != triangle);
+            kept += usize::from(keep(entry >> 2));
         }
         span.len = kept as u32;
     }

@@ -175,7 +175,7 @@ fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
             if surface.kind(u) & kind::FEATURE == 0 || surface.kind(v) & kind::FEATURE == 0 {
                 continue;
             }
-            if surface.edge_kind(u, v).is_some_and(|k| k != 0) {
+            if surface.is_feature_edge(u, v) {
                 let edge = surface.at(v) - surface.at(u);
                 let length_squared = edge.length_squared();
                 let upright = edge.cross(normal).normalize_or_zero();

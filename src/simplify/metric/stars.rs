@@ -137,8 +137,7 @@ impl Stars {
     }
 
     fn is_feature(&self, surface: &Surface, point: u32, other: u32) -> bool {
-        surface.kind(other) & kind::FEATURE != 0
-            && surface.edge_kind(point, other).is_some_and(|k| k & kind::FEATURE != 0)
+        surface.kind(other) & kind::FEATURE != 0 && surface.is_feature_edge(point, other)
     }
 
     /// The plane through an edge, upright on one of its triangles.
