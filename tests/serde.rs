@@ -172,6 +172,11 @@ fn every_promise_of_a_sequence_is_checked() {
         ("/substitutions/4", json!([6, 2]), "step 2 names vertex 6, which is not"),
         ("/substitutions/4", json!([3, 7]), "step 2 names vertex 7, which is not"),
         ("/substitutions/0", json!([7, 1]), "step 0 names vertex 7, which is not"),
+        (
+            "/substitutions",
+            json!([[7, 1], [4, 0], [0, 3], [1, 3], [2, 5]]),
+            "step 0 names vertex 7, which is not",
+        ),
         // Triangles.
         ("/triangles_after", json!([4, 2, 1]), "3 triangle counts"),
         ("/triangles_after/0", json!(5), "after 0 steps 5 triangles"),
