@@ -533,10 +533,15 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.error = self.error.max(error);
         let error = self.surface.frame().object_length(error);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
-        let needed = self.touched[pair.lost as usize].max(self.touched[pair.kept as usize]);
-        let rank = self.queue.rank().max(needed);
-        self.ranks.push(rank);
+        // Ranks matter from the first tile on; without tiles they ascend by themselves.
         self.tiled |= self.queue.is_tiled();
+        let rank = if self.tiled {
+            let needed = self.touched[pair.lost as usize].max(self.touched[pair.kept as usize]);
+            self.queue.rank().max(needed)
+        } else {
+            self.queue.rank()
+        };
+        self.ranks.push(rank);
         self.state[pair.lost as usize] = state::GONE;
         self.queue.remove(pair.lost);
         self.partners.merge(pair.lost, pair.kept);
@@ -548,9 +553,11 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
         self.surface.for_neighbours(pair.kept, |n| ring.push(n));
-        self.touched[pair.kept as usize] = rank;
-        for &n in &ring {
-            self.touched[n as usize] = self.touched[n as usize].max(rank);
+        if self.tiled {
+            self.touched[pair.kept as usize] = rank;
+            for &n in &ring {
+                self.touched[n as usize] = self.touched[n as usize].max(rank);
+            }
         }
         if self.order == Order::Batched {
             self.state[pair.kept as usize] |= state::TOUCHED;
