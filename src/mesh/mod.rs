@@ -240,9 +240,14 @@ impl TryFrom<Parts> for Mesh {
             .with_materials(parts.materials)?
             .with_material_names(parts.material_names)
             .with_locks(parts.locks)?;
-        for attribute in parts.attributes {
-            mesh = mesh.with_attribute(attribute)?;
+        // Names in order, so that very many of them do not cost the square of their number.
+        let mut names: Vec<&str> = parts.attributes.iter().map(Attribute::name).collect();
+        names.sort_unstable();
+        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(MeshError::DuplicateAttribute { name: twice[0].to_owned() });
         }
+        parts.attributes.iter().try_for_each(|attribute| attribute.check(mesh.positions.len()))?;
+        mesh.attributes = parts.attributes;
         Ok(mesh)
     }
 }

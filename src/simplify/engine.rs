@@ -670,8 +670,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
     let ab = b - a;
     let length = ab.length_squared();
-    // Far away products overflow; `max` takes what is not a number to 0, `clamp` would keep it.
-    if length > 0.0 { ((x - a).dot(ab) / length).max(0.0).min(1.0) } else { 0.0 }
+    let share = (x - a).dot(ab) / length;
+    // Not a number where points coincide, and where products overflow far away.
+    if share > 0.0 { share.min(1.0) } else { 0.0 }
 }
 
 /// How the error of a step is found.
