@@ -90,7 +90,14 @@ fn every_triangle_stays_in_its_chart() {
                     // Whole numbers are not blended: u says where the vertex lies, on either chart.
                     let x = if chart(u) { u - 9.5 } else { u };
                     let off = (x - coarse.positions()[v as usize][0]).abs();
-                    assert!(off < 1e-4, "u {u} at {:?}, {placement:?}", coarse.positions()[v as usize]);
+                    // At an optimum of its own the vertex lies off the edge, by no more than the level's error.
+                    let slack =
+                        if placement == Placement::Optimal { sequence.error_after(steps) } else { 0.0 };
+                    assert!(
+                        off < slack + 1e-4,
+                        "u {u} at {:?}, {placement:?}",
+                        coarse.positions()[v as usize]
+                    );
                 }
             }
         }
@@ -292,16 +299,22 @@ fn sliding_borders_stay_straight() {
         assert!(sequence.triangles_after(last) < mesh.triangles().len() / 3, "{placement:?}");
         for steps in (0..=10).map(|i| i * last / 10) {
             let level = level(&mesh, &sequence, &point, steps);
+            // The optimum weighs the border against the surface: it stays within the level's error.
+            let slack = if placement == Placement::Optimal { sequence.error_after(steps) } else { 0.0 };
             let mut length = 0.0;
             for (edge, count) in edges(&level.vertices) {
                 if count == 1 {
                     let [p, q] = edge.map(|v| position(&mesh, &sequence, v));
-                    let on = |axis: usize, x: f32| (p[axis] - x).abs() < 1e-5 && (q[axis] - x).abs() < 1e-5;
+                    let near = |p: f32, x: f32| (p - x).abs() < 1e-5 + slack;
+                    let on = |axis: usize, x: f32| near(p[axis], x) && near(q[axis], x);
                     assert!(on(0, 0.0) || on(0, 1.0) || on(1, 0.0) || on(1, 1.0), "{p:?} to {q:?}");
                     length += dot(sub(p, q), sub(p, q)).sqrt();
                 }
             }
-            assert!((length - 4.0).abs() < 1e-4, "border of length {length} after {steps}, {placement:?}");
+            assert!(
+                (length - 4.0).abs() < 1e-4 + 8.0 * f64::from(slack),
+                "border of length {length} after {steps}, {placement:?}"
+            );
         }
     }
 }
