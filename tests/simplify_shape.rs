@@ -134,9 +134,9 @@ proptest! {
                 let now = normal(t.map(|v| position(&mesh, &sequence, v)));
                 if let Some(old) = before[o as usize] {
                     prop_assert!(dot(old, old) == 0.0 || dot(now, now) > 0.0, "no area after {} steps", steps);
-                    // 75 degrees in one step.
+                    // 78 degrees in one step, and rounding.
                     let cos = dot(old, now) / (dot(old, old) * dot(now, now)).sqrt().max(f64::MIN_POSITIVE);
-                    prop_assert!(dot(old, old) == 0.0 || cos > 0.25, "turned to {} in step {}", cos, steps);
+                    prop_assert!(dot(old, old) == 0.0 || cos > 0.2, "turned to {} in step {}", cos, steps);
                 }
                 before[o as usize] = Some(now);
             }
