@@ -5,7 +5,8 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Order {
-    /// Always the cheapest next, to within one cost class of 6.25 % (Southern 3.3).
+    /// Always the cheapest next, to within one cost class of 6.25 % (Southern 3.3). Above 65,536 points, to within a
+    /// band of one or two octaves while it is found, and then sorted (see `docs/architecture.md`).
     #[default]
     Linear,
     /// Batches of collapses whose neighbourhoods do not touch, cheapest first inside each (Southern 3.4). Each batch

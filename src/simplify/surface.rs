@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::mesh::{Mesh, NONE, Topology};
 
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
-/// that brings the longest side of the mesh's box into (0.5, 1].
+/// that brings the longest side of the mesh's box into [0.5, 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     centre: [f64; 3],
