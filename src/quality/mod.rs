@@ -6,7 +6,9 @@
 //! | `samples.rs` | points spread evenly over a surface |
 //! | `distance.rs` | [`distance`]: Metro's two-sided distance between two meshes |
 //! | `volume.rs` | [`volume()`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `images.rs` | [`image_difference`]: what is seen of the difference, over views from all sides |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
+//! | `sight.rs` | what a ray sees: the surface, its side, its normal |
 //! | `camera.rs` | [`Camera`]: where a picture is taken from |
 //! | `normals.rs` | normals to shade with |
 //! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
@@ -19,16 +21,19 @@ mod camera;
 mod distance;
 mod error;
 mod hash;
+mod images;
 mod normals;
 pub mod palette;
 mod picture;
 mod render;
 mod samples;
+mod sight;
 mod volume;
 
 pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
+pub use images::{ImageDifference, ImageOptions, ReferenceImages, image_difference};
 pub use picture::Picture;
 pub use render::{Colours, RenderOptions, Shading, render};
 pub use volume::{ShapeReport, area, volume};
