@@ -1,6 +1,6 @@
 //! Levels of detail side by side in one picture, each with its triangles' edges and a caption.
 
-#[path = "lettering.rs"]
+#[path = "../../src/bin/multires/lettering.rs"]
 mod lettering;
 
 use std::error::Error;

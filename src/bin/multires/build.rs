@@ -41,7 +41,7 @@ enum Structure {
 impl Run for Build {
     fn run(&self) -> Result<Answer, Failure> {
         self.rules.check()?;
-        files::check_baked_output(&self.output)?;
+        files::check_output(&self.output, "mres")?;
         match self.structure {
             Structure::Tom => self.tom(),
         }

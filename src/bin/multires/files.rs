@@ -41,10 +41,10 @@ pub fn check_mesh_output(path: &Path) -> Result<(), Failure> {
     check_place(path)
 }
 
-/// A baked file to be written.
-pub fn check_baked_output(path: &Path) -> Result<(), Failure> {
-    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mres")) {
-        return Err(Failure::Usage(format!("{}: the extension is not .mres", path.display())));
+/// A file to be written that has to be of one kind: `mres`, `ply`, `png`.
+pub fn check_output(path: &Path, extension: &str) -> Result<(), Failure> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(extension)) {
+        return Err(Failure::Usage(format!("{}: the extension is not .{extension}", path.display())));
     }
     check_place(path)
 }
@@ -59,6 +59,11 @@ fn check_place(path: &Path) -> Result<(), Failure> {
     } else {
         Ok(())
     }
+}
+
+/// Writes bytes, all of them or none.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    io::atomic::write(path, bytes).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
 }
 
 /// Writes a mesh, whole or not at all.

@@ -6,7 +6,9 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs` | one command each: its arguments, what it does, its answer |
+//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `measure.rs` | one command each: its arguments, what it does, its answer |
+//! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
+//! | `lettering.rs` | captions in pictures |
 //! | `rules.rs` | how to simplify: what `simplify` and `build` have in common |
 //! | `files.rs` | what is read and written, checked before the work starts |
 //! | `output.rs` | [`Answer`](output::Answer), [`Failure`](output::Failure), exit codes |
@@ -16,7 +18,10 @@ mod build;
 mod extract;
 mod files;
 mod info;
+mod lettering;
+mod measure;
 mod output;
+mod paint;
 mod progress;
 mod rules;
 mod simplify;
@@ -27,8 +32,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use output::{Failure, Run};
 
-/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, and take any
-/// level out again.
+/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, take any level
+/// out again, and measure how far two meshes differ.
 ///
 /// Mesh files are .obj, .ply, .stl, .off, .glb and .gltf, baked ones .mres. Exit codes: 0 done, 1 bad input (one line
 /// on stderr says why), 2 bad usage. An output file is written whole or not at all.
@@ -48,6 +53,7 @@ enum Command {
     Simplify(simplify::Simplify),
     Build(build::Build),
     Extract(extract::Extract),
+    Measure(measure::Measure),
 }
 
 fn main() -> ExitCode {
@@ -60,6 +66,7 @@ fn main() -> ExitCode {
         Command::Simplify(command) => command,
         Command::Build(command) => command,
         Command::Extract(command) => command,
+        Command::Measure(command) => command,
     };
     match command.run() {
         Ok(answer) => output::answer(&answer, cli.json),

@@ -24,6 +24,14 @@ impl Bar {
         Self(bar)
     }
 
+    /// The next stage begins, with this share of the work done.
+    pub fn begin(&self, stage: &'static str, share: f64) {
+        self.0.set_message(stage);
+        self.0.set_position((share * PARTS as f64) as u64);
+        // A stage says nothing until it is over; the clock goes on.
+        self.0.enable_steady_tick(std::time::Duration::from_millis(250));
+    }
+
     /// How far a simplification is; never asks to stop.
     pub fn show(&self, progress: multires::simplify::Progress) -> ControlFlow<()> {
         self.0.set_position((f64::from(progress.fraction()) * PARTS as f64) as u64);
