@@ -8,13 +8,13 @@
 //!
 //! Source: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified surfaces", Computer Graphics Forum
 //! 17(2), 1998. Mean and rms are over samples of equal area; the maximum is also over all corners of triangles and
-//! over samples along all edges, where it is most often attained. Sampled maxima are lower bounds of the true ones.
+//! over samples along all edges, where it is most often attained, and from there it is closed in on (`maximum.rs`).
 
 use glam::DVec3;
 
 use crate::mesh::Mesh;
 
-use super::{QualityError, bvh::Walker, surface::Surface};
+use super::{QualityError, bvh::Walker, maximum::largest, sums::Sums, surface::Surface};
 
 /// What to sample a [`distance`] and its kin with.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +55,9 @@ impl DistanceOptions {
 pub struct OneSided {
     /// Largest distance found: the one-sided Hausdorff distance, from below.
     pub max: f64,
+    /// A proven bound for it, from above. Within 0.1 % of `max`, or 1e-9 of the larger surface's size, unless more pieces of
+    /// the surface than there are samples would have to be looked at for that.
+    pub max_bound: f64,
     /// Mean distance over the area.
     pub mean: f64,
     /// Root of the mean square distance over the area.
@@ -83,9 +86,14 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// The Hausdorff distance: the larger of both maxima.
+    /// The Hausdorff distance: the larger of both maxima, from below.
     pub fn hausdorff(&self) -> f64 {
         self.forward.max.max(self.backward.max)
+    }
+
+    /// A proven bound for the Hausdorff distance, from above: no point of either surface is farther from the other.
+    pub fn hausdorff_bound(&self) -> f64 {
+        self.forward.max_bound.max(self.backward.max_bound)
     }
 
     /// Mean of both directions' means.
@@ -176,60 +184,53 @@ impl Surface<'_> {
         options: &DistanceOptions,
     ) -> Result<OneSided, QualityError> {
         options.check()?;
-        let start = || (other.bvh().walker(), Partial::NONE);
-        let joined = |sums: Vec<(Walker<'_>, Partial)>| {
-            sums.into_iter().map(|(_, partial)| partial).fold(Partial::NONE, Partial::join)
+        let start = || (other.bvh().walker(), Lengths::NONE);
+        let joined = |sums: Vec<(Walker<'_>, Lengths)>| {
+            sums.into_iter().map(|(_, sums)| sums).fold(Lengths::NONE, Lengths::join)
         };
         let faces = joined(self.on_faces(options, start, |(walker, sums), _, _, point| {
-            sums.add(walker, point);
+            add(sums, walker, point);
         }));
-        let outline = joined(self.on_outline(options, start, |(walker, sums), point| {
-            sums.add(walker, point);
+        let edges = joined(self.on_edges(options, start, |(walker, sums), point| {
+            add(sums, walker, point);
         }));
-        let highest = faces.join(outline);
-        let count = options.samples as f64;
+        let corners = self.on_corners(
+            || (other.bvh().walker(), Vec::new()),
+            |(walker, found), vertex, point| {
+                let nearest = walker.closest(point);
+                found.push((vertex, nearest.distance_squared.sqrt(), (point, nearest.point)));
+            },
+        );
+        let mut outline = Lengths::NONE;
+        let mut at_vertex = vec![0.0; self.mesh().positions().len()];
+        for (vertex, distance, at) in corners.into_iter().flat_map(|(_, found)| found) {
+            outline.add(distance, at);
+            at_vertex[vertex as usize] = distance;
+        }
+        let at_corners = |slot: u32| {
+            let triangle = self.bvh().triangle_of()[slot as usize];
+            self.mesh().triangles()[triangle as usize].map(|v| at_vertex[v as usize])
+        };
+        let found = faces.join(outline).join(edges).highest().unwrap_or_default();
+        let ((max, (max_at, max_to)), max_bound) =
+            largest(self.bvh(), other.bvh(), at_corners, found, options.samples);
         Ok(OneSided {
-            max: highest.max.max(0.0),
-            mean: faces.sum / count,
-            rms: (faces.sum_of_squares / count).sqrt(),
-            max_at: highest.max_at.to_array(),
-            max_to: highest.max_to.to_array(),
+            max,
+            max_bound,
+            mean: faces.mean(options.samples),
+            rms: faces.rms(options.samples),
+            max_at: max_at.to_array(),
+            max_to: max_to.to_array(),
             face_samples: options.samples,
             edge_samples: self.outline_samples(options),
         })
     }
 }
 
-/// Sums over one chunk of samples. Squares of single precision lengths are far inside the range of double precision.
-#[derive(Clone, Copy)]
-struct Partial {
-    sum: f64,
-    sum_of_squares: f64,
-    max: f64,
-    max_at: DVec3,
-    max_to: DVec3,
-}
+/// Distances, and where the largest lies and leads to.
+type Lengths = Sums<(DVec3, DVec3)>;
 
-impl Partial {
-    const NONE: Self =
-        Self { sum: 0.0, sum_of_squares: 0.0, max: -1.0, max_at: DVec3::ZERO, max_to: DVec3::ZERO };
-
-    fn add(&mut self, walker: &mut Walker<'_>, point: DVec3) {
-        let nearest = walker.closest(point);
-        let distance = nearest.distance_squared.sqrt();
-        self.sum += distance;
-        self.sum_of_squares += nearest.distance_squared;
-        if distance > self.max {
-            (self.max, self.max_at, self.max_to) = (distance, point, nearest.point);
-        }
-    }
-
-    fn join(self, other: Self) -> Self {
-        let higher = if other.max > self.max { other } else { self };
-        Self {
-            sum: self.sum + other.sum,
-            sum_of_squares: self.sum_of_squares + other.sum_of_squares,
-            ..higher
-        }
-    }
+fn add(sums: &mut Lengths, walker: &mut Walker<'_>, point: DVec3) {
+    let nearest = walker.closest(point);
+    sums.add(nearest.distance_squared.sqrt(), (point, nearest.point));
 }

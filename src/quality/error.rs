@@ -32,6 +32,30 @@ pub enum QualityError {
         /// The edge's ends. Vertices at the same position count as the first of them.
         edge: [u32; 2],
     },
+    /// A mesh has no texture coordinates: no attribute `uv` of two floats.
+    #[error("the {which} mesh has no texture coordinates: no attribute \"uv\" of two floats")]
+    NoTexture {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+    },
+    /// A texture coordinate is no number.
+    #[error("vertex {vertex} of the {which} mesh has a texture coordinate that is not finite")]
+    NonFiniteTexture {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A collapse sequence is not of the mesh that it came with.
+    #[error(
+        "the sequence is of a mesh of {vertices} vertices and {triangles} triangles, which the given mesh is not"
+    )]
+    Sequence {
+        /// Vertices of the sequence's input.
+        vertices: usize,
+        /// Triangles of the sequence's input.
+        triangles: usize,
+    },
     /// A measurement was asked for with no samples, or more than can be numbered.
     #[error("{samples} samples were asked for, which is not 1 to {limit}")]
     Samples {

@@ -1,5 +1,7 @@
 //! How good a mesh is, and what it looks like: distances between meshes, ray-cast pictures, volume and slivers.
 //!
+//! Which measure answers which question: `docs/guide/quality.md` in the repository.
+//!
 //! | file | idea |
 //! |---|---|
 //! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
@@ -7,8 +9,12 @@
 //! | `triangle.rs` | one triangle: nearest point, ray, angle and weights at a point |
 //! | `surface.rs` | [`Surface`]: a mesh prepared once for measuring |
 //! | `distance.rs` | [`distance()`]: Metro's two-sided distance between two meshes |
+//! | `maximum.rs` | the largest distance to within a proven bound |
 //! | `signed.rs` | [`signed_distance`]: how far outside and how far inside; `closed.rs`: whether there is an inside |
 //! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
+//! | `parametric.rs` | [`parametric_deviation`]: how far points travel under a sequence's collapses |
+//! | `texture.rs` | [`texture_deviation`]: how far the texture slides |
+//! | `sums.rs` | mean, root mean square and maximum |
 //! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
 //! | `camera.rs` | [`Camera`]: where a picture is taken from |
@@ -24,14 +30,18 @@ mod closed;
 mod distance;
 mod error;
 mod hash;
+mod maximum;
 mod normal_deviation;
 mod normals;
 pub mod palette;
+mod parametric;
 mod picture;
 mod render;
 mod samples;
 mod signed;
+mod sums;
 mod surface;
+mod texture;
 mod triangle;
 mod volume;
 
@@ -39,10 +49,12 @@ pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
 pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
+pub use parametric::{ParametricDeviation, parametric_deviation};
 pub use picture::Picture;
 pub use render::{Colours, RenderOptions, Shading, render};
 pub use signed::{SignedDistance, SignedOneSided, signed_distance, vertex_signed_distances};
 pub use surface::Surface;
+pub use texture::{TextureDeviation, texture_deviation};
 pub use volume::{ShapeReport, area, volume, volume_ratio};
 
 /// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.

@@ -9,6 +9,7 @@ use crate::mesh::Mesh;
 use super::{
     DistanceOptions, QualityError,
     bvh::{Bvh, Walker},
+    sums::Sums,
     surface::Surface,
     triangle::{angle_at, unit_normal},
 };
@@ -100,7 +101,7 @@ impl Surface<'_> {
         });
         let [oriented, unoriented] = [0, 1].map(|kind| {
             let joined = sums.iter().map(|(_, sums)| sums[kind]).fold(Sums::NONE, Sums::join);
-            joined.over(options.samples)
+            angles(joined, options.samples)
         });
         Ok(OneSidedNormals { oriented, unoriented })
     }
@@ -124,41 +125,7 @@ fn turns(bvh: &Bvh, walker: &mut Walker<'_>, point: DVec3, normal_there: DVec3) 
     least
 }
 
-#[derive(Clone, Copy)]
-struct Sums {
-    sum: f64,
-    sum_of_squares: f64,
-    max: f64,
-    max_at: DVec3,
-}
-
-impl Sums {
-    const NONE: Self = Self { sum: 0.0, sum_of_squares: 0.0, max: -1.0, max_at: DVec3::ZERO };
-
-    fn add(&mut self, angle: f64, point: DVec3) {
-        self.sum += angle;
-        self.sum_of_squares += angle * angle;
-        if angle > self.max {
-            (self.max, self.max_at) = (angle, point);
-        }
-    }
-
-    fn join(self, other: Self) -> Self {
-        let higher = if other.max > self.max { other } else { self };
-        Self {
-            sum: self.sum + other.sum,
-            sum_of_squares: self.sum_of_squares + other.sum_of_squares,
-            ..higher
-        }
-    }
-
-    fn over(self, samples: usize) -> Angles {
-        let count = samples as f64;
-        Angles {
-            mean: self.sum / count,
-            rms: (self.sum_of_squares / count).sqrt(),
-            max: self.max.max(0.0),
-            max_at: self.max_at.to_array(),
-        }
-    }
+fn angles(sums: Sums<DVec3>, samples: usize) -> Angles {
+    let (max, max_at) = sums.highest().unwrap_or_default();
+    Angles { mean: sums.mean(samples), rms: sums.rms(samples), max, max_at: max_at.to_array() }
 }

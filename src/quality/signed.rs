@@ -248,9 +248,13 @@ fn one_sided(
     let faces = joined(from.on_faces(options, start, |(walker, partial), _, _, point| {
         partial.add(solid.distance(to.bvh(), walker, point), point);
     }));
-    let all = faces.join(joined(from.on_outline(options, start, |(walker, partial), point| {
+    let corners = joined(from.on_corners(start, |(walker, partial), _, point| {
         partial.add(solid.distance(to.bvh(), walker, point), point);
-    })));
+    }));
+    let edges = joined(from.on_edges(options, start, |(walker, partial), point| {
+        partial.add(solid.distance(to.bvh(), walker, point), point);
+    }));
+    let all = faces.join(corners).join(edges);
     let count = faces.count.max(1) as f64;
     SignedOneSided {
         mean: faces.sum / count,

@@ -7,7 +7,7 @@
 //!
 //! What only some measures need (corners and edges to sample, which side is outside) is made when it is first asked for.
 
-use std::{ops::Range, sync::OnceLock};
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -135,34 +135,41 @@ impl<'mesh> Surface<'mesh> {
         })
     }
 
-    /// The same for every corner, and for samples along the edges, a quarter as many as on faces.
-    pub(super) fn on_outline<T: Send>(
+    /// The same for every corner: its vertex, and where it is.
+    pub(super) fn on_corners<T: Send>(
+        &self,
+        start: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, u32, DVec3) + Sync,
+    ) -> Vec<T> {
+        let corners = &self.outline().corners;
+        map_chunks(corners.len(), CHUNK, |range| {
+            let mut sum = start();
+            corners[range].iter().for_each(|&v| add(&mut sum, v, self.position(v)));
+            sum
+        })
+    }
+
+    /// The same for samples along the edges, a quarter as many as on faces.
+    pub(super) fn on_edges<T: Send>(
         &self,
         options: &DistanceOptions,
         start: impl Fn() -> T + Sync,
         add: impl Fn(&mut T, DVec3) + Sync,
     ) -> Vec<T> {
-        let Outline { corners, edges } = self.outline();
-        let over = |points: &mut dyn Iterator<Item = DVec3>| {
-            let mut sum = start();
-            points.for_each(|point| add(&mut sum, point));
-            sum
-        };
-        let mut sums = map_chunks(corners.len(), CHUNK, |range: Range<usize>| {
-            over(&mut corners[range].iter().map(|&v| self.position(v)))
-        });
+        let edges = &self.outline().edges;
         let lengths = edges.iter().map(|&[a, b]| (self.position(b) - self.position(a)).length());
         let shares = Shares::new(lengths, options.edge_samples(), hash::mix(options.seed));
-        sums.extend(map_chunks(shares.len(), CHUNK, |range| {
-            over(&mut shares.positions(range).map(|(edge, along)| {
+        map_chunks(shares.len(), CHUNK, |range| {
+            let mut sum = start();
+            for (edge, along) in shares.positions(range) {
                 let [a, b] = edges[edge].map(|v| self.position(v));
-                a + (b - a) * along
-            }))
-        }));
-        sums
+                add(&mut sum, a + (b - a) * along);
+            }
+            sum
+        })
     }
 
-    /// How many points [`on_outline`](Self::on_outline) samples.
+    /// How many points [`on_corners`](Self::on_corners) and [`on_edges`](Self::on_edges) ask for.
     pub(super) fn outline_samples(&self, options: &DistanceOptions) -> usize {
         self.outline().corners.len() + options.edge_samples()
     }

@@ -90,3 +90,23 @@ pub(crate) fn angle_at(&[a, b, c]: &Corners, point: DVec3, snap: f64) -> f64 {
     };
     if [(a, b), (b, c), (c, a)].into_iter().any(beside) { PI } else { TAU }
 }
+
+/// Weights of the corners at a point of the triangle, none negative. In a sliver, along its longest edge.
+pub(crate) fn weights_at(corners @ &[a, b, c]: &Corners, point: DVec3) -> [f64; 3] {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let normal = ab.cross(ac);
+    let square = normal.length_squared();
+    if square > SLIVER * (ab.length_squared() * ac.length_squared()) {
+        let v = (ap.cross(ac).dot(normal) / square).clamp(0.0, 1.0);
+        let w = (ab.cross(ap).dot(normal) / square).clamp(0.0, 1.0 - v);
+        return [1.0 - v - w, v, w];
+    }
+    let length = |i: usize| (corners[(i + 1) % 3] - corners[i]).length_squared();
+    let longest = (1..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
+    let (from, to) = (corners[longest], corners[(longest + 1) % 3]);
+    let along = ((point - from).dot(to - from) / length(longest)).clamp(0.0, 1.0);
+    let mut weights = [0.0; 3];
+    weights[longest] = 1.0 - along;
+    weights[(longest + 1) % 3] = along;
+    weights
+}
