@@ -49,7 +49,7 @@ pub struct TextureDeviation {
 /// let sequence = Simplifier::new().run(&mesh)?;
 /// let level = sequence.extract(&mesh, sequence.steps_for_triangles(20_000));
 /// let slid = texture_deviation(&mesh, &level, &DistanceOptions::default().with_samples(20_000))?;
-/// assert!(slid.mean < 0.002);
+/// assert!(slid.mean < slid.rms && slid.mean < 0.02, "{slid:?}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn texture_deviation(
