@@ -1,13 +1,17 @@
-//! Samples a second of `distance`, and what building the hierarchies costs beside them; pixels a second of `render` and of
-//! comparing by images; on generated meshes.
+//! Samples a second of `distance`, and what preparing the surfaces costs beside them; pixels a second of `render` and of
+//! comparing by images.
+//!
+//! On the bunny and its 5 % level, read from `$MULTIRES_MODELS` (`../shared/models` by default); where it is missing, or
+//! without the feature `io`, on the generated demo, and it says so. `RAYON_NUM_THREADS` sets the threads.
 #![allow(missing_docs)]
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use multires::{
-    mesh::Mesh,
-    quality::{Camera, DistanceOptions, ImageOptions, ReferenceImages, RenderOptions, distance, render},
+    Simplifier,
+    mesh::{Mesh, shapes},
+    quality::{Camera, DistanceOptions, ImageOptions, ReferenceImages, RenderOptions, Surface, render},
 };
 
 /// A bumpy torus of `2 * rings * sides` triangles.
@@ -31,22 +35,51 @@ fn torus(rings: u32, sides: u32) -> Mesh {
     Mesh::new(positions, triangles).expect("finite, in range")
 }
 
+/// The bunny, or the demo where it cannot be had.
+fn model() -> (&'static str, Mesh) {
+    #[cfg(feature = "io")]
+    {
+        let root = std::env::var_os("MULTIRES_MODELS").map_or_else(
+            || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"),
+            std::path::PathBuf::from,
+        );
+        let path = root.join("real/stanford-bunny.ply");
+        match multires::io::read(&path) {
+            Ok(mesh) => return ("bunny", mesh),
+            Err(error) => eprintln!("quality: no bunny, the demo instead: {}: {error}", path.display()),
+        }
+    }
+    #[cfg(not(feature = "io"))]
+    eprintln!("quality: no bunny without the feature io, the demo instead");
+    ("demo", shapes::demo())
+}
+
 fn distances(criterion: &mut Criterion) {
-    let (fine, coarse) = (torus(360, 120), torus(48, 24));
-    let mut group = criterion.benchmark_group("distance");
+    let (name, mesh) = model();
+    let sequence = Simplifier::new().run(&mesh).expect("default options");
+    let level = sequence.extract(&mesh, sequence.steps_for_triangles(mesh.triangles().len() / 20));
+    let (original, coarse) =
+        (Surface::new(&mesh).expect("has a surface"), Surface::new(&level).expect("has a surface"));
+
+    let mut group = criterion.benchmark_group(format!("distance of {name} and its 5 %"));
     group.sample_size(10);
-    // One sample on the faces of each: what is left is the build, the corners and the edges.
-    group.bench_function("86k and 2k triangles, 1 sample", |b| {
-        let options = DistanceOptions::default().with_samples(1);
-        b.iter(|| distance(black_box(&fine), black_box(&coarse), &options));
+    group.bench_function("prepare both surfaces", |b| {
+        b.iter(|| (Surface::new(black_box(&mesh)), Surface::new(black_box(&level))));
     });
-    let samples = 200_000;
-    // Both directions, and a quarter as many along edges.
-    group.throughput(Throughput::Elements(samples * 5 / 2));
-    group.bench_function("86k and 2k triangles, 200k samples", |b| {
-        let options = DistanceOptions::default().with_samples(samples as usize);
-        b.iter(|| distance(black_box(&fine), black_box(&coarse), &options));
+    let samples = 1_000_000;
+    let options = DistanceOptions::default().with_samples(samples);
+    let both = original.distance(&coarse, &options).expect("samples in range");
+    let taken = [both.forward, both.backward].map(|one| (one.face_samples + one.edge_samples) as u64);
+    group.throughput(Throughput::Elements(taken[0] + taken[1]));
+    group.bench_function("1M samples each way, and edges and corners", |b| {
+        b.iter(|| original.distance(black_box(&coarse), &options));
     });
+    group.throughput(Throughput::Elements(taken[0]));
+    group.bench_function("from the original", |b| {
+        b.iter(|| original.distance_to(black_box(&coarse), &options));
+    });
+    group.throughput(Throughput::Elements(taken[1]));
+    group.bench_function("from the level", |b| b.iter(|| coarse.distance_to(black_box(&original), &options)));
     group.finish();
 }
 

@@ -37,12 +37,13 @@
 //! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
 //! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
 //! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances; [`TomMesh`] to bake |
-//! | `quality` | distances between meshes, volume, pictures without a graphics card (feature `quality`) |
+//! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | what can be wrong with arrays that are handed in |
 //!
 //! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
-//! `docs/guide/tom.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
+//! `docs/guide/tom.md`, `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in
+//! `docs/performance.md`.
 //!
 //! # Features
 //!
@@ -92,4 +93,6 @@ mod chapters {
     struct Simplification;
     #[doc = include_str!("../docs/guide/tom.md")]
     struct Tom;
+    #[doc = include_str!("../docs/guide/quality.md")]
+    struct Quality;
 }

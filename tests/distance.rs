@@ -4,7 +4,7 @@
 
 use multires::{
     mesh::Mesh,
-    quality::{Distance, DistanceOptions, QualityError, distance},
+    quality::{Distance, DistanceOptions, QualityError, Surface, distance, vertex_distances},
 };
 use proptest::prelude::*;
 
@@ -260,6 +260,59 @@ fn swapping_the_meshes_swaps_the_sides() {
 }
 
 #[test]
+fn a_prepared_surface_gives_the_same_bytes() {
+    let meshes = [sphere(3, 1.0), sphere(1, 1.0), plane(4, 1.5, |x, y| x * y)];
+    let surfaces: Vec<Surface<'_>> = meshes.iter().map(|mesh| Surface::new(mesh).unwrap()).collect();
+    for (a, first) in meshes.iter().zip(&surfaces) {
+        for (b, second) in meshes.iter().zip(&surfaces) {
+            let options = options(5_000);
+            assert_eq!(first.distance(second, &options), distance(a, b, &options));
+            assert_eq!(
+                first.distance_to(second, &options).unwrap(),
+                distance(a, b, &options).unwrap().forward
+            );
+            assert_eq!(second.point_distances(a.positions()), vertex_distances(a, b).unwrap());
+        }
+    }
+    assert_eq!(surfaces[0].diagonal(), meshes[0].diagonal());
+    assert_eq!(surfaces[0].mesh(), &meshes[0]);
+}
+
+#[test]
+fn the_maximum_is_closed_in_on_from_few_samples() {
+    // A hill whose top lies over the inside of a triangle, far from its corners.
+    let bump = |x: f32, y: f32| 0.3 - 0.2 * ((x - 0.21).powi(2) + (y - 0.13).powi(2)).sqrt();
+    let (flat, hill) = (plane(1, 1.0, |_, _| 0.0), plane(64, 1.2, bump));
+    // Concentric spheres are as far from each other nearly everywhere: nothing can be dropped early.
+    let (inner, outer) = (sphere(2, 1.0), sphere(4, 1.1));
+    for (a, b, loose) in [(&flat, &hill, 1.001), (&hill, &flat, 1.001), (&inner, &outer, 1.5)] {
+        let coarse = distance(a, b, &options(2_000)).unwrap();
+        let fine = distance(a, b, &options(1_000_000)).unwrap();
+        for (few, many) in [(coarse.forward, fine.forward), (coarse.backward, fine.backward)] {
+            assert!(many.max <= few.max_bound && few.max <= many.max_bound, "{few:?} {many:?}");
+            assert!(few.max_bound <= few.max * loose + 1e-8, "{few:?}");
+            assert!(few.max >= 0.999 * many.max - 1e-8, "{few:?} {many:?}");
+        }
+        assert_eq!(coarse.hausdorff_bound(), coarse.forward.max_bound.max(coarse.backward.max_bound));
+    }
+    // With hardly any samples hardly any pieces may be looked at: the bound is looser, and no less true.
+    let (few, many) = (distance(&inner, &outer, &options(1)).unwrap(), measure(&inner, &outer));
+    assert!(few.forward.max_bound >= many.forward.max && few.forward.max_bound < 1.0, "{few:?}");
+}
+
+#[test]
+fn concentric_spheres_approach_the_difference_of_their_radii() {
+    let apart = |levels| {
+        let d = measure(&sphere(levels, 1.0), &sphere(levels, 1.25));
+        (d.mean() - 0.25).abs().max((d.rms() - 0.25).abs()).max((d.hausdorff() - 0.25).abs())
+    };
+    // Facets of half the size sag a quarter as much, and so does all that differs from the exact spheres.
+    let errors: Vec<f64> = (2..7).map(apart).collect();
+    assert!(errors.windows(2).all(|pair| pair[1] < 0.27 * pair[0]), "{errors:?}");
+    assert!(errors[4] < 2e-4, "{errors:?}");
+}
+
+#[test]
 fn seeds_move_the_samples_and_little_else() {
     let (a, b) = (sphere(3, 1.0), sphere(1, 1.0));
     let other = distance(&a, &b, &options(20_000).with_seed(9)).unwrap();
@@ -359,6 +412,7 @@ proptest! {
                 prop_assert!(one.max.is_finite() && one.mean.is_finite() && one.rms.is_finite());
                 prop_assert!(0.0 <= one.mean && one.mean <= one.rms * (1.0 + 1e-9));
                 prop_assert!(one.rms <= one.max * (1.0 + 1e-9));
+                prop_assert!(one.max <= one.max_bound && one.max_bound.is_finite());
             },
             Err(error) => {
                 prop_assert!(matches!(error, QualityError::NoSurface { .. }), "{}", error);

@@ -7,9 +7,53 @@ pub enum QualityError {
     /// A mesh has no triangle with an area, so there is no surface to measure.
     #[error("the {which} mesh has no surface: none of its {triangles} triangles has an area")]
     NoSurface {
-        /// "first" or "second", in the order of the arguments.
+        /// "first" or "second", in the order of the arguments; "given" where there is but one.
         which: &'static str,
         /// How many triangles it has.
+        triangles: usize,
+    },
+    /// A mesh has a border, so that there is no inside.
+    #[error("the {which} mesh is not closed: triangles along the edge of vertices {edge:?}: {triangles}")]
+    Open {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// The edge's ends. Vertices at the same position count as the first of them.
+        edge: [u32; 2],
+        /// How many triangles lie along it: an odd number.
+        triangles: usize,
+    },
+    /// A mesh is closed, but its triangles do not agree on which side is outside.
+    #[error(
+        "the {which} mesh is inconsistently oriented: triangles run the same way along the edge of vertices {edge:?}"
+    )]
+    Orientation {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// The edge's ends. Vertices at the same position count as the first of them.
+        edge: [u32; 2],
+    },
+    /// A mesh has no texture coordinates: no attribute `uv` of two floats.
+    #[error("the {which} mesh has no texture coordinates: no attribute \"uv\" of two floats")]
+    NoTexture {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+    },
+    /// A texture coordinate is no number.
+    #[error("vertex {vertex} of the {which} mesh has a texture coordinate that is not finite")]
+    NonFiniteTexture {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A collapse sequence is not of the mesh that it came with.
+    #[error(
+        "the sequence is of a mesh of {vertices} vertices and {triangles} triangles, which the given mesh is not"
+    )]
+    Sequence {
+        /// Vertices of the sequence's input.
+        vertices: usize,
+        /// Triangles of the sequence's input.
         triangles: usize,
     },
     /// A measurement was asked for with no samples, or more than can be numbered.
@@ -66,4 +110,17 @@ pub enum QualityError {
         /// How many there are.
         views: usize,
     },
+}
+
+impl QualityError {
+    /// The same error of a mesh by another name.
+    pub(crate) fn of(mut self, name: &'static str) -> Self {
+        match &mut self {
+            Self::NoSurface { which, .. } | Self::Open { which, .. } | Self::Orientation { which, .. } => {
+                *which = name;
+            }
+            _ => {}
+        }
+        self
+    }
 }

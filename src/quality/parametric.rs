@@ -1,0 +1,128 @@
+//! How far the points of a mesh travel under the collapses of a sequence: parametric deviation.
+//!
+//! ```text
+//!        b                    every vertex has an ancestor in the level (what it was merged into), and every triangle
+//!       / \        b = c      of the original an image: the map is linear in each triangle. A point travels by the
+//!      /   \  -->    |        blend of what the corners travel, so none travels farther than the farthest vertex.
+//!     a-----c        a
+//! ```
+
+use glam::DVec3;
+
+use crate::{
+    mesh::Mesh,
+    simplify::{CollapseSequence, Origin},
+};
+
+use super::{
+    QualityError, map_chunks,
+    surface::CHUNK,
+    triangle::{Corners, has_area, normal},
+};
+
+/// How far points lie from their images in a level, object units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ParametricDeviation {
+    /// Largest over the whole surface: attained at a vertex, so it is exact and no sample can exceed it.
+    pub max: f64,
+    /// Mean over the area, by a rule of seven points a triangle.
+    pub mean: f64,
+    /// Root of the mean square over the area, exact.
+    pub rms: f64,
+    /// The vertex that travels farthest.
+    pub vertex: u32,
+}
+
+/// How far the points of the original travel to their images in the level after `steps` steps (all, if there are fewer).
+///
+/// Its maximum is a proven bound, not an estimate. No point of the level is farther from the original than that, and no
+/// point of the original is farther from its image; the image is the level, and what vanished triangles shrank to, which
+/// lies on the level unless a whole piece of the mesh has shrunk to nothing. Whatever is painted on the original and
+/// carried along by the map slides by no more. On flat parts, where vertices move within the surface, it is far above
+/// [`distance()`](super::distance()): compare [`ErrorMeasure::Travel`](crate::simplify::ErrorMeasure), which bounds it
+/// step by step.
+///
+/// Vertices that no triangle uses do not count. O(n).
+///
+/// # Errors
+/// The sequence is not of this mesh ([`CollapseSequence::fits`]); the mesh has no surface.
+///
+/// ```
+/// use multires::{Simplifier, mesh::shapes, quality::parametric_deviation};
+/// let mesh = shapes::icosphere(4);
+/// let sequence = Simplifier::new().run(&mesh)?;
+/// assert_eq!(parametric_deviation(&mesh, &sequence, 0)?.max, 0.0);
+/// let half = parametric_deviation(&mesh, &sequence, sequence.len() / 2)?;
+/// assert!(0.0 < half.mean && half.mean < half.rms && half.rms < half.max);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn parametric_deviation(
+    original: &Mesh,
+    sequence: &CollapseSequence,
+    steps: usize,
+) -> Result<ParametricDeviation, QualityError> {
+    if !sequence.fits(original) {
+        let (vertices, triangles) = (sequence.input_vertices(), sequence.input_triangles());
+        return Err(QualityError::Sequence { vertices, triangles });
+    }
+    let image = sequence.representatives(steps);
+    let place = |v: u32| {
+        let position = match sequence.origin(v) {
+            Origin::Input(v) => original.positions()[v as usize],
+            Origin::Blend(new) => new.position,
+        };
+        DVec3::from_array(position.map(f64::from))
+    };
+    let travel = |v: u32| place(image[v as usize]) - place(v);
+
+    let (mut max, mut vertex) = (0.0, 0);
+    for &v in original.indices() {
+        let far = travel(v).length();
+        if far > max {
+            (max, vertex) = (far, v);
+        }
+    }
+    let sums = map_chunks(original.triangles().len(), CHUNK, |range| {
+        let mut sums = [0.0; 3];
+        for corners in &original.triangles()[range] {
+            let places: Corners = corners.map(place);
+            if has_area(&places) {
+                let area = normal(&places).length();
+                let [mean, mean_square] = over_triangle(corners.map(travel));
+                sums = [sums[0] + area, sums[1] + area * mean, sums[2] + area * mean_square];
+            }
+        }
+        sums
+    });
+    let [area, mean, square] =
+        sums.into_iter().fold([0.0; 3], |all, part| [all[0] + part[0], all[1] + part[1], all[2] + part[2]]);
+    if area == 0.0 {
+        return Err(QualityError::NoSurface { which: "given", triangles: original.triangles().len() });
+    }
+    // The rule of seven points may be above the mean by rounding.
+    Ok(ParametricDeviation {
+        max,
+        mean: (mean / area).min(max),
+        rms: (square / area).sqrt().min(max),
+        vertex,
+    })
+}
+
+/// Mean length and mean square length over a triangle of a vector that is linear in it.
+fn over_triangle([a, b, c]: [DVec3; 3]) -> [f64; 2] {
+    // Radon's rule of degree five: the centre, and two sets of three points.
+    let root = 15f64.sqrt();
+    let length = |u: f64, v: f64, w: f64| (a * u + b * v + c * w).length();
+    let set = |near: f64| {
+        let far = 1.0 - 2.0 * near;
+        length(far, near, near) + length(near, far, near) + length(near, near, far)
+    };
+    let third = 1.0 / 3.0;
+    let mean = 0.225 * length(third, third, third)
+        + (155.0 - root) / 1200.0 * set((6.0 - root) / 21.0)
+        + (155.0 + root) / 1200.0 * set((6.0 + root) / 21.0);
+    let squares = a.length_squared() + b.length_squared() + c.length_squared();
+    [mean, ((a + b + c).length_squared() + squares) / 12.0]
+}
