@@ -1,13 +1,13 @@
 //! The container side of glTF 2.0: GLB chunks, the part of the JSON that shapes geometry, and the buffers.
 //!
-//! Meshes, accessors, views and buffers are `gltf-json`'s structures. Scenes and nodes are our own: there transforms
-//! are in single precision, where a mesh on a map loses its place before the origin can be moved, and a scene must have
-//! nodes, which the specification does not ask. Whatever is no geometry is passed over unread, so that no animation,
-//! texture or extension of theirs keeps a mesh from being read. All indices are checked where they are used, none is
-//! trusted here.
+//! Meshes, accessors, views and buffers are structures of `gltf-json`; none of its indices is trusted, all are checked
+//! where they are used. (It keeps the low 32 bits of an index: one beyond 2^32 names something else.) Scenes and nodes
+//! are our own, since it has transforms in single precision, in which a mesh on a map loses its place before the origin
+//! can be moved, and no scenes without nodes. Whatever is no geometry is passed over, so that no animation, texture or
+//! extension that it does not know refuses a mesh.
 //!
-//! The container is split here too: `gltf` refuses files with chunks it does not know, which readers must pass over
-//! (4.4.3), and its lengths are unchecked.
+//! The container is our own, since `gltf` refuses a chunk it does not know, which readers are to pass over (glTF 2.0,
+//! 4.4.3), and does not look at lengths before it subtracts from them.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -171,12 +171,11 @@ fn read_file(
     let unresolved =
         || ReadError::unsupported(format!("buffer {i} is at {uri:?}, which is no file beside the document"));
     let relative = percent_decode_str(uri).decode_utf8().map_err(|_| unresolved())?;
-    let relative = Path::new(&*relative);
     let stays = |c: Component| matches!(c, Component::Normal(_) | Component::CurDir);
-    if uri.contains(':') || !relative.components().all(stays) {
+    if relative.contains(':') || !Path::new(&*relative).components().all(stays) {
         return Err(unresolved());
     }
-    let relative: PathBuf = relative.components().filter(|c| *c != Component::CurDir).collect();
+    let relative: PathBuf = Path::new(&*relative).components().filter(|c| *c != Component::CurDir).collect();
     let path = directory.ok_or_else(unresolved)?.join(&relative);
     if !files.insert(relative) {
         return Err(ReadError::unsupported(format!("buffer {i} is the same file as another, {uri:?}")));
