@@ -120,8 +120,8 @@ fn semantic(name: &str, width: usize) -> Option<Semantic> {
         names::TANGENT => return (width == 4).then_some(Semantic::Tangents),
         _ => {}
     }
-    let sets: [(&str, fn(u32) -> Semantic, _); 4] = [
-        (names::UV, Semantic::TexCoords, 2..=2),
+    let sets = [
+        (names::UV, Semantic::TexCoords as fn(u32) -> Semantic, 2..=2),
         (names::COLOR, Semantic::Colors, 3..=4),
         (names::JOINTS, Semantic::Joints, 4..=4),
         (names::WEIGHTS, Semantic::Weights, 4..=4),
