@@ -236,10 +236,54 @@ fn damaged_files_are_refused_with_their_place() {
             br#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":7}}]}]}"#,
             "accessor 7 is named, but there are 0",
         ),
+        (Format::Glb, b"glTF\x02\0\0\0\0\0\0\0", "truncated: the GLB file ends at byte 12"),
     ];
     for (format, bytes, words) in cases {
         let error = io::read_bytes(*format, bytes).expect_err(words).to_string();
         assert!(error.contains(words), "{format}: {error:?} where {words:?} was expected");
+        assert!(!error.contains('\n'), "{error:?} is more than a line");
+    }
+}
+
+/// An accessor, its view, and words of the error.
+#[test]
+fn damaged_accessors_are_refused_by_number() {
+    let good = r#""bufferView":0,"componentType":5126,"count":3,"type":"VEC3""#;
+    let sparse = |count: &str, kind: &str| {
+        format!(
+            r#"{good},"sparse":{{"count":{count},"indices":{{"bufferView":0,"componentType":{kind}}},"values":{{"bufferView":0}}}}"#
+        )
+    };
+    let view = r#""buffer":0,"byteLength":36"#;
+    let cases: &[(&str, &str, &str)] = &[
+        (&good.replace("5126", "5124"), view, "accessor 0 is of a type that glTF does not have"),
+        (&good.replace("VEC3", "VEC5"), view, "accessor 0 is of a type that glTF does not have"),
+        (&good.replace("VEC3", "VEC2"), view, "mesh 0 has positions that are not of type VEC3"),
+        (&good.replace(":3", ":4"), view, "accessor 0 reaches beyond buffer view 0"),
+        (&good.replace(":3", ":99"), view, "accessor 0 has 99 elements, the buffers 36 bytes"),
+        (&format!(r#"{good},"byteOffset":18446744073709551615"#), view, "accessor 0 reaches beyond"),
+        (&good.replace(":0", ":7"), view, "accessor 0 names buffer view 7"),
+        (good, r#""buffer":1,"byteLength":36"#, "buffer view 0 names buffer 1"),
+        (good, r#""buffer":0,"byteLength":40"#, "buffer view 0 reaches beyond buffer 0"),
+        (
+            good,
+            r#""buffer":0,"byteLength":36,"byteStride":8"#,
+            "buffer view 0 has a stride of 8 for elements of 12",
+        ),
+        (good, r#""buffer":0,"byteLength":36,"byteStride":16"#, "accessor 0 reaches beyond buffer view 0"),
+        (&sparse("1", "5126"), view, "accessor 0 has sparse indices of no index type"),
+        (&sparse("4", "5121"), view, "accessor 0 reaches beyond buffer view 0"),
+        (r#""count":"many""#, view, "the glTF document: invalid type: string \"many\""),
+    ];
+    for (accessor, view, words) in cases {
+        let document = format!(
+            r#"{{"asset":{{"version":"2.0"}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{{accessor}}}],"bufferViews":[{{{view}}}],
+            "buffers":[{{"byteLength":36,"uri":"data:;base64,{}"}}]}}"#,
+            "AAAA".repeat(12)
+        );
+        let error = io::read_bytes(Format::Gltf, document.as_bytes()).expect_err(words).to_string();
+        assert!(error.contains(words), "{error:?} where {words:?} was expected");
         assert!(!error.contains('\n'), "{error:?} is more than a line");
     }
 }
@@ -256,6 +300,30 @@ fn a_missing_buffer_is_named() {
     .unwrap();
     let error = load(&path).unwrap_err().to_string();
     assert!(error.contains("no such.bin"), "{error}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn buffers_elsewhere_are_not_opened() {
+    let folder = std::env::temp_dir().join(format!("multires-elsewhere-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("scene.gltf");
+    for uri in [
+        "../secret",
+        "%2E%2E/secret",
+        "/secret",
+        "%2Fsecret",
+        "C:/secret",
+        "C%3A/secret",
+        "a/../../secret",
+        "%FF",
+    ] {
+        let document =
+            format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":4,"uri":"{uri}"}}]}}"#);
+        std::fs::write(&path, document).unwrap();
+        let error = load(&path).unwrap_err().to_string();
+        assert!(error.contains("which is no file beside the document"), "{uri}: {error}");
+    }
     std::fs::remove_dir_all(folder).unwrap();
 }
 

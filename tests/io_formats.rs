@@ -292,6 +292,55 @@ fn gltf_sparse_accessors_replace_elements() {
 }
 
 #[test]
+fn gltf_passes_over_what_is_no_geometry() {
+    for part in [
+        r#""scenes":[{}],"nodes":[{}]"#,
+        r#""animations":[{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":{"KHR_animation_pointer":{}}}}]}]"#,
+        r#""textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],"extensionsRequired":["KHR_texture_basisu"]"#,
+        r#""materials":[{"name":"m","alphaMode":7}],"cameras":[{}],"skins":[{}],"extras":[1]"#,
+    ] {
+        let document = format!(r#"{{"asset":{{"version":"2.0"}},{part}}}"#);
+        assert_eq!(text(Format::Gltf, &document).triangles().len(), 0);
+    }
+
+    // A chunk of a kind that is not known, between the document and the buffer.
+    let triangle = Mesh::new([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]).unwrap();
+    let mut glb = io::write_bytes(Format::Glb, &triangle).unwrap();
+    let end = 20 + u32::from_le_bytes([glb[12], glb[13], glb[14], glb[15]]) as usize;
+    glb.splice(end..end, *b"\x04\0\0\0XTRA1234");
+    let length = (glb.len() as u32).to_le_bytes();
+    glb[8..12].copy_from_slice(&length);
+    assert_eq!(io::read_bytes(Format::Glb, &glb).unwrap(), triangle);
+}
+
+#[test]
+fn gltf_nodes_far_away_keep_their_digits() {
+    let document = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"translation":[5411932.51,0,0]},
+        {"mesh":0,"translation":[5411932.76,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"data:;base64,AAAA AAAA"}]}"#;
+    let document = document.replace("AAAA AAAA", &"AAAA".repeat(12));
+    let options = io::ReadOptions::default().with_origin(io::SceneOrigin::Center);
+    let mesh = io::read_bytes_with(Format::Gltf, document.as_bytes(), &options).unwrap().mesh;
+    assert!((mesh.positions()[3][0] - mesh.positions()[0][0] - 0.25).abs() < 1e-6, "{:?}", mesh.positions());
+}
+
+#[test]
+fn gltf_data_may_lack_its_padding() {
+    let buffer = |data: &str| {
+        let document = format!(
+            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":4,"uri":"data:application/gltf-buffer;base64,{data}"}}]}}"#
+        );
+        io::read_bytes(Format::Gltf, document.as_bytes()).map_err(|e| e.to_string())
+    };
+    assert!(buffer("AAECAw==").is_ok());
+    assert!(buffer("AAECAw").is_ok());
+    assert!(buffer("AAECA").unwrap_err().contains("buffer 0 has a damaged data URI"));
+    assert!(buffer("AAE!Aw==").unwrap_err().contains("buffer 0 has a damaged data URI"));
+    assert!(buffer("AAEC").unwrap_err().contains("buffer 0 says 4 bytes, 3 are there"));
+}
+
+#[test]
 fn gltf_buffers_may_be_files_beside_it() {
     let folder = std::env::temp_dir().join(format!("multires-buffers-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

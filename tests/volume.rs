@@ -123,6 +123,17 @@ fn shapes_are_those_of_known_triangles() {
 }
 
 #[test]
+fn a_mean_of_equal_triangles_is_within_their_range() {
+    for count in 1..200 {
+        let corners = [[0.1, 0.2, 0.3], [1.7, 0.4, 0.9], [0.6, 2.3, 0.2]];
+        let report = ShapeReport::new(&Mesh::new(corners, vec![[0, 1, 2]; count]).unwrap());
+        assert!(report.sliver_mean <= report.sliver_max, "{count}: {report:?}");
+        assert!(report.aspect_mean >= report.aspect_min, "{count}: {report:?}");
+        assert!(report.compactness_mean >= report.compactness_min, "{count}: {report:?}");
+    }
+}
+
+#[test]
 fn degenerate_triangles_are_counted_apart() {
     let mesh = Mesh::new([[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[0, 1, 2], [0, 0, 1]]).unwrap();
     let report = ShapeReport::new(&mesh);

@@ -8,7 +8,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `mod.rs` | [`read`] and [`write`](write()) by extension |
-//! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | one format each, what it keeps at its head |
+//! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | one format each, what it keeps and what reads it at its head |
 //! | `draft.rs` | what readers fill: a mesh before rounding |
 //! | `text.rs` | lines, words and numbers |
 //! | `polygon.rs` | polygons to triangles |

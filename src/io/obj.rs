@@ -9,8 +9,8 @@
 //! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`; other attributes and locks are left out. Material ids
 //! beyond the names are called `material_ID`, and come back numbered by appearance.
 //!
-//! The parser is our own: the origin has to be moved in double precision before rounding, file order has to be kept,
-//! and a face may name vertices below it in the file.
+//! The parser is our own: `tobj` numbers vertices anew in every group, drops unused ones and invents texture indices
+//! for corners that have none (`docs/architecture.md`, Readers).
 
 use std::collections::BTreeMap;
 

@@ -6,6 +6,8 @@
 //!
 //! Written as text, which reads back to the same bits: `normal`, `color` and `uv` with the vertices, no other attribute, no
 //! materials.
+//!
+//! The parser is our own: `off-rs` reads neither binary files nor normals and texture coordinates.
 
 use super::draft::Draft;
 use super::error::ReadError;

@@ -4,8 +4,8 @@
 //! first appearance. Face normals, attribute bytes and solids' names are not kept. A file is binary when its size is what
 //! its count says, whatever its header starts with; text when it starts with `solid` and speaks of facets.
 //!
-//! The parser is our own: welding and the moved origin come between a coordinate and its vertex, and polygons and several
-//! solids are accepted.
+//! The parser is our own: `stl_io` reads the first solid of a text only, in single precision, and refuses unnamed solids,
+//! normals of NaN and facets of more than three corners (`docs/architecture.md`, Readers).
 
 use super::draft::Draft;
 use super::error::{ReadError, WriteError};

@@ -142,9 +142,11 @@ impl ShapeReport {
         if report.triangles == 0 {
             return Self { aspect_min: 0.0, compactness_min: 0.0, angle_min: 0.0, ..report };
         }
-        report.sliver_mean /= report.triangles as f64;
-        report.aspect_mean /= report.triangles as f64;
-        report.compactness_mean /= report.triangles as f64;
+        // A sum of equal numbers may round to more than their number times each.
+        let count = report.triangles as f64;
+        report.sliver_mean = (report.sliver_mean / count).min(report.sliver_max);
+        report.aspect_mean = (report.aspect_mean / count).max(report.aspect_min);
+        report.compactness_mean = (report.compactness_mean / count).max(report.compactness_min);
         report
     }
 }

@@ -4,70 +4,41 @@
 
 use std::borrow::Cow;
 
-use super::document::{Accessor, Document};
+use gltf_json::Accessor;
+use gltf_json::accessor::{ComponentType, Type};
+use gltf_json::validation::Checked;
+
+use super::document::{Document, size};
 use crate::io::error::ReadError;
 
-/// How a component is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// The first value in `bytes`, which holds one component at least.
+fn value(kind: ComponentType, bytes: &[u8]) -> f64 {
+    let mut word = [0; 4];
+    word[..kind.size()].copy_from_slice(&bytes[..kind.size()]);
+    let word = u32::from_le_bytes(word);
+    match kind {
+        ComponentType::I8 => f64::from(word as i8),
+        ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => f64::from(word),
+        ComponentType::I16 => f64::from(word as i16),
+        ComponentType::F32 => f64::from(f32::from_bits(word)),
+    }
 }
 
-impl Component {
-    fn coded(code: u32) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// The first value in `bytes`, which holds [`size`](Self::size) bytes at least.
-    fn value(self, bytes: &[u8]) -> f64 {
-        let mut word = [0; 4];
-        word[..self.size()].copy_from_slice(&bytes[..self.size()]);
-        let word = u32::from_le_bytes(word);
-        match self {
-            Self::I8 => f64::from(word as i8),
-            Self::U8 | Self::U16 | Self::U32 => f64::from(word),
-            Self::I16 => f64::from(word as i16),
-            Self::F32 => f64::from(f32::from_bits(word)),
-        }
-    }
-
-    /// What a normalised value of 1 is stored as (glTF 2.0, 3.11).
-    fn one(self) -> f64 {
-        match self {
-            Self::I8 => 127.0,
-            Self::U8 => 255.0,
-            Self::I16 => 32_767.0,
-            Self::U16 => 65_535.0,
-            Self::U32 | Self::F32 => 1.0,
-        }
+/// What a normalised value of 1 is stored as (glTF 2.0, 3.11).
+fn one(kind: ComponentType) -> f64 {
+    match kind {
+        ComponentType::I8 => 127.0,
+        ComponentType::U8 => 255.0,
+        ComponentType::I16 => 32_767.0,
+        ComponentType::U16 => 65_535.0,
+        ComponentType::U32 | ComponentType::F32 => 1.0,
     }
 }
 
 /// The type of an accessor's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
-    pub component: Component,
+    pub component: ComponentType,
     pub normalized: bool,
     /// Components of an element.
     pub width: usize,
@@ -76,11 +47,11 @@ pub(super) struct Shape {
 impl Shape {
     /// Whether values may be blended: floats, or whole numbers that stand for shares.
     pub fn is_float(self) -> bool {
-        self.normalized || self.component == Component::F32
+        self.normalized || self.component == ComponentType::F32
     }
 
     pub fn is_signed(self) -> bool {
-        matches!(self.component, Component::I8 | Component::I16)
+        matches!(self.component, ComponentType::I8 | ComponentType::I16)
     }
 }
 
@@ -109,7 +80,7 @@ impl<'a> Store<'a> {
 
     /// Number of elements; no more than the buffers could hold, so that a count cannot make a reader reserve without limit.
     pub fn count(&self, index: usize) -> Result<usize, ReadError> {
-        let count = self.accessor(index)?.count;
+        let count = size(self.accessor(index)?.count);
         let bytes = self.bytes;
         if count > bytes {
             return Err(ReadError::too_large(format!(
@@ -121,20 +92,13 @@ impl<'a> Store<'a> {
 
     pub fn shape(&self, index: usize) -> Result<Shape, ReadError> {
         let accessor = self.accessor(index)?;
-        let component = Component::coded(accessor.component_type).ok_or_else(|| {
-            ReadError::invalid(format!("accessor {index} has component type {}", accessor.component_type))
-        })?;
-        let width = match accessor.shape.as_str() {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" | "MAT2" => 4,
-            "MAT3" => 9,
-            "MAT4" => 16,
-            _ => return Err(ReadError::invalid(format!("accessor {index} has type {:?}", accessor.shape))),
+        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_)
+        else {
+            return Err(ReadError::invalid(format!("accessor {index} is of a type that glTF does not have")));
         };
+        let (component, width) = (component.0, kind.multiplicity());
         // Columns of small matrices are padded, which nothing that we read uses.
-        if accessor.shape.starts_with("MAT") && component.size() < 4 {
+        if matches!(kind, Type::Mat2 | Type::Mat3 | Type::Mat4) && component.size() < 4 {
             return Err(ReadError::unsupported(format!("accessor {index} is a matrix of small components")));
         }
         Ok(Shape { component, normalized: accessor.normalized, width })
@@ -143,78 +107,79 @@ impl<'a> Store<'a> {
     /// Calls `put(element, component, value)` for every value; normalised ones are shares already.
     pub fn values(&self, index: usize, mut put: impl FnMut(usize, usize, f64)) -> Result<(), ReadError> {
         let (accessor, shape, count) = (self.accessor(index)?, self.shape(index)?, self.count(index)?);
-        let size = shape.component.size();
+        let component = shape.component.size();
         let mut element = |element: usize, bytes: &[u8]| {
-            for (c, bytes) in bytes.chunks_exact(size).enumerate() {
-                let value = shape.component.value(bytes);
-                let share = if shape.normalized { (value / shape.component.one()).max(-1.0) } else { value };
+            for (c, bytes) in bytes.chunks_exact(component).enumerate() {
+                let value = value(shape.component, bytes);
+                let share = if shape.normalized { (value / one(shape.component)).max(-1.0) } else { value };
                 put(element, c, share);
             }
         };
+        let bytes = shape.width * component;
         if let Some(view) = accessor.buffer_view {
-            let (bytes, stride) =
-                self.range(index, view, accessor.byte_offset, count, shape.width * size, true)?;
+            let offset = accessor.byte_offset.map_or(0, size);
+            let (values, stride) = self.range(index, view.value(), offset, count, bytes, true)?;
             for i in 0..count {
-                element(i, &bytes[i * stride..i * stride + shape.width * size]);
+                element(i, &values[i * stride..i * stride + bytes]);
             }
         }
         let Some(sparse) = &accessor.sparse else { return Ok(()) };
-        let kind = Component::coded(sparse.indices.component_type)
-            .filter(|k| matches!(k, Component::U8 | Component::U16 | Component::U32));
-        let kind = kind.ok_or_else(|| {
-            ReadError::invalid(format!("accessor {index} has sparse indices of no index type"))
-        })?;
-        let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset);
-        let (places, _) = self.range(index, view, offset, sparse.count, kind.size(), false)?;
-        let (view, offset) = (sparse.values.buffer_view, sparse.values.byte_offset);
-        let (values, _) = self.range(index, view, offset, sparse.count, shape.width * size, false)?;
-        for (place, value) in places.chunks_exact(kind.size()).zip(values.chunks_exact(shape.width * size)) {
-            let place = kind.value(place) as usize;
+        let Checked::Valid(kind) = sparse.indices.component_type else {
+            return Err(ReadError::invalid(format!("accessor {index} has sparse indices of no index type")));
+        };
+        let (kind, replaced) = (kind.0, size(sparse.count));
+        let (view, offset) = (sparse.indices.buffer_view.value(), size(sparse.indices.byte_offset));
+        let (places, _) = self.range(index, view, offset, replaced, kind.size(), false)?;
+        let (view, offset) = (sparse.values.buffer_view.value(), size(sparse.values.byte_offset));
+        let (values, _) = self.range(index, view, offset, replaced, bytes, false)?;
+        for (place, replacement) in places.chunks_exact(kind.size()).zip(values.chunks_exact(bytes)) {
+            let place = value(kind, place) as usize;
             if place >= count {
                 return Err(ReadError::invalid(format!(
                     "accessor {index} has a sparse index {place} beyond its {count}"
                 )));
             }
-            element(place, value);
+            element(place, replacement);
         }
         Ok(())
     }
 
-    /// The bytes of `count` elements of `size` bytes, and the step from one to the next.
+    /// The bytes of `count` elements of `width` bytes, and the step from one to the next.
     fn range(
         &self,
         accessor: usize,
         view: usize,
         offset: usize,
         count: usize,
-        size: usize,
+        width: usize,
         strided: bool,
     ) -> Result<(&'a [u8], usize), ReadError> {
         let found = self.document.buffer_views.get(view);
         let found = found.ok_or_else(|| {
             ReadError::invalid(format!("accessor {accessor} names buffer view {view}, which is not there"))
         })?;
-        let buffer = self.buffers.get(found.buffer);
+        let buffer = self.buffers.get(found.buffer.value());
         let buffer = buffer.ok_or_else(|| {
             ReadError::invalid(format!(
                 "buffer view {view} names buffer {}, which is not there",
-                found.buffer
+                found.buffer.value()
             ))
         })?;
-        let bytes = buffer.get(found.byte_offset..).and_then(|rest| rest.get(..found.byte_length));
+        let start = found.byte_offset.map_or(0, size);
+        let bytes = buffer.get(start..).and_then(|rest| rest.get(..size(found.byte_length)));
         let bytes = bytes.ok_or_else(|| {
-            ReadError::invalid(format!("buffer view {view} reaches beyond buffer {}", found.buffer))
+            ReadError::invalid(format!("buffer view {view} reaches beyond buffer {}", found.buffer.value()))
         })?;
-        let stride = found.byte_stride.filter(|_| strided).unwrap_or(size);
-        if stride < size {
+        let stride = found.byte_stride.filter(|_| strided).map_or(width, |stride| stride.0);
+        if stride < width {
             return Err(ReadError::invalid(format!(
-                "buffer view {view} has a stride of {stride} for elements of {size} bytes"
+                "buffer view {view} has a stride of {stride} for elements of {width} bytes"
             )));
         }
         let length = if count == 0 {
             Some(0)
         } else {
-            (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size))
+            (count - 1).checked_mul(stride).and_then(|n| n.checked_add(width))
         };
         let range = length.and_then(|length| bytes.get(offset..)?.get(..length));
         let beyond = || ReadError::invalid(format!("accessor {accessor} reaches beyond buffer view {view}"));

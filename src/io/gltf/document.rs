@@ -1,13 +1,23 @@
 //! The container side of glTF 2.0: GLB chunks, the part of the JSON that shapes geometry, and the buffers.
 //!
-//! The document is our own few structures over `serde_json`: general readers refuse a whole file for a required *texture*
-//! extension, drop attributes of an application's own, and keep structures for everything that is no geometry. All
-//! indices are checked where they are used, none is trusted here.
+//! Meshes, accessors, views and buffers are structures of `gltf-json`; none of its indices is trusted, all are checked
+//! where they are used. (It keeps the low 32 bits of an index: one beyond 2^32 names something else.) Scenes and nodes
+//! are our own, since it has transforms in single precision, in which a mesh on a map loses its place before the origin
+//! can be moved, and no scenes without nodes. Whatever is no geometry is passed over, so that no animation, texture or
+//! extension that it does not know refuses a mesh.
+//!
+//! The container is our own, since `gltf` refuses a chunk it does not know, which readers are to pass over (glTF 2.0,
+//! 4.4.3), and does not look at lengths before it subtracts from them.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
+use base64::Engine;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use gltf_json::validation::USize64;
+use gltf_json::{Accessor, Asset, Buffer, Mesh, buffer};
+use percent_encoding::percent_decode_str;
 use serde::Deserialize;
 
 use crate::io::error::ReadError;
@@ -19,19 +29,15 @@ pub(super) struct Document {
     pub scene: Option<usize>,
     pub scenes: Vec<Scene>,
     pub nodes: Vec<Node>,
-    pub meshes: Vec<MeshOf>,
+    pub meshes: Vec<Mesh>,
     pub materials: Vec<Named>,
     pub accessors: Vec<Accessor>,
-    pub buffer_views: Vec<View>,
+    pub buffer_views: Vec<buffer::View>,
     pub buffers: Vec<Buffer>,
     pub extensions_required: Vec<String>,
 }
 
-#[derive(Debug, Deserialize)]
-pub(super) struct Asset {
-    pub version: String,
-}
-
+/// Of a material only its name matters.
 #[derive(Debug, Deserialize)]
 pub(super) struct Named {
     #[serde(default)]
@@ -56,78 +62,9 @@ pub(super) struct Node {
     pub scale: Option<[f64; 3]>,
 }
 
-#[derive(Debug, Deserialize)]
-pub(super) struct MeshOf {
-    pub primitives: Vec<Primitive>,
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct Primitive {
-    pub attributes: BTreeMap<String, usize>,
-    pub indices: Option<usize>,
-    pub material: Option<usize>,
-    #[serde(default = "triangles")]
-    pub mode: u32,
-}
-
-fn triangles() -> u32 {
-    4
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Accessor {
-    pub buffer_view: Option<usize>,
-    #[serde(default)]
-    pub byte_offset: usize,
-    pub component_type: u32,
-    #[serde(default)]
-    pub normalized: bool,
-    pub count: usize,
-    #[serde(rename = "type")]
-    pub shape: String,
-    pub sparse: Option<Box<Sparse>>,
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct Sparse {
-    pub count: usize,
-    pub indices: SparseIndices,
-    pub values: SparseValues,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct SparseIndices {
-    pub buffer_view: usize,
-    #[serde(default)]
-    pub byte_offset: usize,
-    pub component_type: u32,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct SparseValues {
-    pub buffer_view: usize,
-    #[serde(default)]
-    pub byte_offset: usize,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct View {
-    pub buffer: usize,
-    #[serde(default)]
-    pub byte_offset: usize,
-    pub byte_length: usize,
-    pub byte_stride: Option<usize>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Buffer {
-    pub uri: Option<String>,
-    pub byte_length: usize,
+/// A size or an offset in a document, to be compared with what is there.
+pub(super) fn size(value: USize64) -> usize {
+    usize::try_from(value.0).unwrap_or(usize::MAX)
 }
 
 /// Extensions that replace buffers by a coding of their own.
@@ -209,11 +146,11 @@ pub(super) fn buffers<'a>(
             Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
                 Some(data) => decode_data(data)
                     .ok_or_else(|| ReadError::invalid(format!("buffer {i} has a damaged data URI")))?,
-                None => read_file(i, uri, buffer.byte_length, directory, &mut files)?,
+                None => read_file(i, uri, size(buffer.byte_length), directory, &mut files)?,
             }),
         };
-        if bytes.len() < buffer.byte_length {
-            let what = format!("buffer {i} says {} bytes, {} are there", buffer.byte_length, bytes.len());
+        if bytes.len() < size(buffer.byte_length) {
+            let what = format!("buffer {i} says {} bytes, {} are there", buffer.byte_length.0, bytes.len());
             return Err(ReadError::truncated(what));
         }
         all.push(bytes);
@@ -233,12 +170,12 @@ fn read_file(
     use std::io::Read;
     let unresolved =
         || ReadError::unsupported(format!("buffer {i} is at {uri:?}, which is no file beside the document"));
-    let relative = percent_decoded(uri).ok_or_else(unresolved)?;
+    let relative = percent_decode_str(uri).decode_utf8().map_err(|_| unresolved())?;
     let stays = |c: Component| matches!(c, Component::Normal(_) | Component::CurDir);
-    if relative.contains(':') || !Path::new(&relative).components().all(stays) {
+    if relative.contains(':') || !Path::new(&*relative).components().all(stays) {
         return Err(unresolved());
     }
-    let relative: PathBuf = Path::new(&relative).components().filter(|c| *c != Component::CurDir).collect();
+    let relative: PathBuf = Path::new(&*relative).components().filter(|c| *c != Component::CurDir).collect();
     let path = directory.ok_or_else(unresolved)?.join(&relative);
     if !files.insert(relative) {
         return Err(ReadError::unsupported(format!("buffer {i} is the same file as another, {uri:?}")));
@@ -252,47 +189,12 @@ fn read_file(
     Ok(bytes)
 }
 
-fn percent_decoded(uri: &str) -> Option<String> {
-    let mut out = Vec::with_capacity(uri.len());
-    let mut bytes = uri.bytes();
-    while let Some(byte) = bytes.next() {
-        out.push(match byte {
-            b'%' => {
-                let mut digit = || char::from(bytes.next()?).to_digit(16);
-                (digit()? * 16 + digit()?) as u8
-            }
-            _ => byte,
-        });
-    }
-    String::from_utf8(out).ok()
-}
-
-/// What follows `data:`; base64 (RFC 4648, section 4) only, as glTF asks.
+/// What follows `data:`; base64 (RFC 4648, section 4) only, as glTF asks, with or without padding.
 fn decode_data(data: &str) -> Option<Vec<u8>> {
+    let config = GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true);
     let (kind, text) = data.split_once(',')?;
-    if !kind.ends_with(";base64") {
-        return None;
-    }
-    let text = text.trim_end_matches('=').as_bytes();
-    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 3);
-    for group in text.chunks(4) {
-        let mut word = 0_u32;
-        for &byte in group {
-            let value = match byte {
-                b'A'..=b'Z' => byte - b'A',
-                b'a'..=b'z' => byte - b'a' + 26,
-                b'0'..=b'9' => byte - b'0' + 52,
-                b'+' | b'-' => 62,
-                b'/' | b'_' => 63,
-                _ => return None,
-            };
-            word = word << 6 | u32::from(value);
-        }
-        let bytes = (word << (6 * (4 - group.len()))).to_be_bytes();
-        match group.len() {
-            1 => return None,
-            count => out.extend_from_slice(&bytes[1..count]),
-        }
-    }
-    Some(out)
+    let engine = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
+    kind.ends_with(";base64").then(|| engine.decode(text).ok())?
 }

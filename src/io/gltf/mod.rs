@@ -2,7 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `document.rs` | the document, the GLB container and the buffers |
+//! | `document.rs` | the document (`gltf-json`), the GLB container and the buffers |
 //! | `accessor.rs` | values out of buffers |
 //! | `scene.rs` | nodes and their world transforms |
 //! | `mod.rs` | primitives to a mesh; attributes' names |
@@ -25,12 +25,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Index};
 
 use super::draft::{Draft, Tally};
 use super::error::ReadError;
 use crate::mesh::{Attribute, AttributeValues, names};
 use accessor::{Shape, Store};
-use document::{Document, Primitive};
+use document::Document;
 pub(super) use write::write;
 
 /// Reads a whole file; buffers in files of their own are looked for in `directory`. O(n) in file and result, and the
@@ -71,7 +74,8 @@ fn primitives<'a>(document: &'a Document, shown: &'a [bool]) -> impl Iterator<It
 }
 
 fn is_surface(primitive: &Primitive) -> bool {
-    (4..=6).contains(&primitive.mode)
+    use Mode::{TriangleFan, TriangleStrip, Triangles};
+    matches!(primitive.mode, Checked::Valid(Triangles | TriangleStrip | TriangleFan))
 }
 
 /// An attribute of the whole mesh being read.
@@ -109,62 +113,71 @@ fn numbered(base: &str, set: u32) -> String {
     if set == 0 { base.to_owned() } else { format!("{base}{set}") }
 }
 
-/// Sets that both sides number, as glTF and this crate call them, with their widths (the larger, and the least).
-const SETS: [(&str, &str, usize, usize); 4] = [
-    ("TEXCOORD_", names::UV, 2, 2),
-    ("COLOR_", names::COLOR, 4, 3),
-    ("JOINTS_", names::JOINTS, 4, 4),
-    ("WEIGHTS_", names::WEIGHTS, 4, 4),
-];
-
 /// The semantic for one of the customary attributes, if it is one of the right width.
-fn semantic(name: &str, width: usize) -> Option<String> {
+fn semantic(name: &str, width: usize) -> Option<Semantic> {
     match name {
-        names::NORMAL => return (width == 3).then(|| "NORMAL".to_owned()),
-        names::TANGENT => return (width == 4).then(|| "TANGENT".to_owned()),
+        names::NORMAL => return (width == 3).then_some(Semantic::Normals),
+        names::TANGENT => return (width == 4).then_some(Semantic::Tangents),
         _ => {}
     }
-    SETS.iter().find_map(|&(prefix, base, most, least)| {
+    let sets = [
+        (names::UV, Semantic::TexCoords as fn(u32) -> Semantic, 2..=2),
+        (names::COLOR, Semantic::Colors, 3..=4),
+        (names::JOINTS, Semantic::Joints, 4..=4),
+        (names::WEIGHTS, Semantic::Weights, 4..=4),
+    ];
+    sets.into_iter().find_map(|(base, semantic, widths)| {
         let set = name.strip_prefix(base)?;
         let set: u32 = if set.is_empty() { 0 } else { set.parse().ok()? };
-        (numbered(base, set) == name && (least..=most).contains(&width)).then(|| format!("{prefix}{set}"))
+        (numbered(base, set) == name && widths.contains(&width)).then(|| semantic(set))
     })
 }
 
-/// The name and layout of the attribute that a semantic stands for; none for positions and unknown ones.
-fn attribute(semantic: &str, shape: Shape) -> Option<(String, usize, AttributeValues)> {
-    let float = AttributeValues::Float(Vec::new());
-    match semantic {
-        "NORMAL" => return Some((names::NORMAL.to_owned(), 3, float)),
-        "TANGENT" => return Some((names::TANGENT.to_owned(), 4, float)),
-        _ => {}
-    }
-    for (prefix, base, most, least) in SETS {
-        if let Some(set) = semantic.strip_prefix(prefix).and_then(|set| set.parse().ok()) {
-            let values = if base == names::JOINTS { AttributeValues::Uint(Vec::new()) } else { float };
-            return Some((numbered(base, set), shape.width.clamp(least, most), values));
+/// The name and layout of the attribute that a semantic stands for; none for positions.
+fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, usize, AttributeValues)> {
+    let (float, uint) = (AttributeValues::Float(Vec::new()), AttributeValues::Uint(Vec::new()));
+    Some(match semantic {
+        Semantic::Positions => return None,
+        Semantic::Normals => (names::NORMAL.to_owned(), 3, float),
+        Semantic::Tangents => (names::TANGENT.to_owned(), 4, float),
+        Semantic::TexCoords(set) => (numbered(names::UV, *set), 2, float),
+        Semantic::Colors(set) => (numbered(names::COLOR, *set), shape.width.clamp(3, 4), float),
+        Semantic::Joints(set) => (numbered(names::JOINTS, *set), 4, uint),
+        Semantic::Weights(set) => (numbered(names::WEIGHTS, *set), 4, float),
+        Semantic::Extras(own) => {
+            // An application's own name must not be taken for one of ours.
+            let taken = own.is_empty() || (1..=4).any(|width| self::semantic(own, width).is_some());
+            let name = if taken { semantic.to_string() } else { own.clone() };
+            let values = match (shape.is_float(), shape.is_signed()) {
+                (true, _) => float,
+                (_, true) => AttributeValues::Int(Vec::new()),
+                _ => uint,
+            };
+            (name, shape.width, values)
         }
-    }
-    let own = semantic.strip_prefix('_')?;
-    // An application's own name must not be taken for one of ours.
-    let taken = (1..=4).any(|width| self::semantic(own, width).is_some());
-    let name = if taken || own.is_empty() { semantic } else { own };
-    let values = match (shape.is_float(), shape.is_signed()) {
-        (true, _) => float,
-        (_, true) => AttributeValues::Int(Vec::new()),
-        _ => AttributeValues::Uint(Vec::new()),
-    };
-    Some((name.to_owned(), shape.width, values))
+    })
+}
+
+/// A primitive's attributes that have a meaning, with their accessors.
+fn attributes(primitive: &Primitive) -> impl Iterator<Item = (&Semantic, usize)> {
+    primitive.attributes.iter().filter_map(|(semantic, accessor)| match semantic {
+        Checked::Valid(semantic) => Some((semantic, accessor.value())),
+        Checked::Invalid => None,
+    })
 }
 
 /// The attributes that any primitive has, each as wide as its widest; floats where primitives disagree.
 fn streams(document: &Document, store: &Store, shown: &[bool]) -> Result<Vec<Stream>, ReadError> {
-    let mut found: BTreeMap<&str, Stream> = BTreeMap::new();
+    // In order of the names that the file has.
+    let mut found: BTreeMap<String, Stream> = BTreeMap::new();
     for (_, primitive) in primitives(document, shown).filter(|(_, p)| is_surface(p)) {
-        for (semantic, &accessor) in &primitive.attributes {
+        for (semantic, accessor) in attributes(primitive) {
             let Some((name, width, values)) = attribute(semantic, store.shape(accessor)?) else { continue };
-            let stream =
-                found.entry(semantic).or_insert_with(|| Stream { name, width, values: values.clone() });
+            let stream = found.entry(semantic.to_string()).or_insert_with(|| Stream {
+                name,
+                width,
+                values: values.clone(),
+            });
             stream.width = stream.width.max(width);
             if std::mem::discriminant(&stream.values) != std::mem::discriminant(&values) {
                 stream.values = AttributeValues::Float(Vec::new());
@@ -183,6 +196,9 @@ fn streams(document: &Document, store: &Store, shown: &[bool]) -> Result<Vec<Str
 /// Every attribute gets a value for every vertex, so many different ones in small primitives would multiply the file.
 const MAX_STREAMS: usize = 64;
 
+/// What primitives that share vertices have in common.
+type Accessors = BTreeMap<Checked<Semantic>, Index<Accessor>>;
+
 struct Builder<'a> {
     store: &'a Store<'a>,
     streams: Vec<Stream>,
@@ -197,18 +213,18 @@ impl<'a> Builder<'a> {
     /// Adds all primitives of a mesh.
     fn add(&mut self, mesh: usize, world: DMat4) -> Result<(), ReadError> {
         let document = self.store.document;
-        let mut shared: BTreeMap<&BTreeMap<String, usize>, (usize, usize)> = BTreeMap::new();
+        let mut shared: BTreeMap<&Accessors, (usize, usize)> = BTreeMap::new();
         for (p, primitive) in document.meshes[mesh].primitives.iter().enumerate() {
             self.spend(64)?;
-            let position = primitive.attributes.get("POSITION");
-            let (true, Some(&position)) = (is_surface(primitive), position) else {
+            let position = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+            let (true, Some(position)) = (is_surface(primitive), position) else {
                 self.other_modes.add(mesh);
                 continue;
             };
             let (base, count) = match shared.get(&primitive.attributes) {
                 Some(&known) => known,
                 None => {
-                    let added = self.vertices(mesh, primitive, position, world)?;
+                    let added = self.vertices(mesh, primitive, position.value(), world)?;
                     shared.insert(&primitive.attributes, added);
                     added
                 }
@@ -219,13 +235,14 @@ impl<'a> Builder<'a> {
                 self.draft.triangles[before..].iter_mut().for_each(|t| t.swap(1, 2));
             }
             let materials = document.materials.len();
-            if let Some(id) = primitive.material.filter(|&id| id >= materials) {
+            let material = primitive.material.map(|m| m.value());
+            if let Some(id) = material.filter(|&id| id >= materials) {
                 return Err(ReadError::invalid(format!(
                     "mesh {mesh} names material {id}, but there are {materials}"
                 )));
             }
             if self.has_materials {
-                let id = primitive.material.unwrap_or(materials) as u32;
+                let id = material.unwrap_or(materials) as u32;
                 self.draft.materials.resize(self.draft.triangles.len(), id);
             }
         }
@@ -263,12 +280,13 @@ impl<'a> Builder<'a> {
                 *p = world.transform_point3(DVec3::from_array(*p)).to_array();
             }
         }
-        for (semantic, &accessor) in &primitive.attributes {
+        for (semantic, accessor) in attributes(primitive) {
             let shape = self.store.shape(accessor)?;
             let Some((name, ..)) = attribute(semantic, shape) else { continue };
             let Some(stream) = self.streams.iter_mut().find(|s| s.name == name) else { continue };
             let found = self.store.count(accessor)?;
             if found != count {
+                let semantic = semantic.to_string();
                 let what = format!("mesh {mesh} has {found} values of {semantic} for {count} positions");
                 return Err(ReadError::invalid(what));
             }
@@ -295,6 +313,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), ReadError> {
         let mut corners: Vec<u32> = Vec::new();
         if let Some(accessor) = primitive.indices {
+            let accessor = accessor.value();
             let shape = self.store.shape(accessor)?;
             if shape.width != 1 || shape.is_float() || shape.is_signed() {
                 return Err(ReadError::invalid(format!(
@@ -325,14 +344,14 @@ impl<'a> Builder<'a> {
         let triangles = &mut self.draft.triangles;
         let distinct = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
         match primitive.mode {
-            4 => {
+            Checked::Valid(Mode::Triangles) => {
                 if !corners.len().is_multiple_of(3) {
                     self.loose.add(mesh);
                 }
                 triangles.extend(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
             }
             // A strip's degenerate triangles only bring it to another place.
-            5 => {
+            Checked::Valid(Mode::TriangleStrip) => {
                 let strip = corners.windows(3).enumerate();
                 triangles.extend(strip.map(|(i, c)| [c[i % 2], c[1 - i % 2], c[2]]).filter(distinct));
             }

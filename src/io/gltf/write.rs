@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 
 use super::semantic;
@@ -36,7 +38,7 @@ pub(in crate::io) fn write(mesh: &Mesh, binary: bool) -> Result<Vec<u8>, WriteEr
     }
     if !buffer.is_empty() {
         document["buffers"][0]["uri"] =
-            json!(format!("data:application/octet-stream;base64,{}", base64(&buffer)));
+            json!(format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&buffer)));
     }
     Ok(document.to_string().into_bytes())
 }
@@ -197,7 +199,7 @@ fn range(values: impl Iterator<Item = i64>) -> (i64, i64) {
 /// glTF's own name where there is one for values of this kind, else `_name`.
 fn semantic_of(attribute: &Attribute) -> String {
     let own = || format!("_{}", attribute.name());
-    let known = semantic(attribute.name(), attribute.width());
+    let known = semantic(attribute.name(), attribute.width()).map(|s| s.to_string());
     let is_right =
         |s: &String| s.starts_with("JOINTS_") == matches!(attribute.values(), AttributeValues::Uint(_));
     let is_float = attribute.as_floats().is_some();
@@ -250,19 +252,4 @@ fn glb(document: &Value, buffer: &[u8]) -> Result<Vec<u8>, WriteError> {
         out.extend_from_slice(buffer);
     }
     Ok(out)
-}
-
-/// RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let byte = |i: usize| u32::from(group.get(i).copied().unwrap_or_default());
-        let word = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for digit in 0..4 {
-            let value = word >> (18 - 6 * digit) & 63;
-            out.push(if digit > group.len() { '=' } else { char::from(DIGITS[value as usize]) });
-        }
-    }
-    out
 }

@@ -11,7 +11,8 @@
 //! `name_1` and so on to `name`; any other to an attribute of width 1 with its own name. `float` and `double` give float
 //! attributes, signed types `Int`, unsigned ones `Uint`.
 //!
-//! The parser is our own: general ones make a map per element (hundreds of bytes a vertex) and trust the header's counts.
+//! The parser is our own: `ply-rs-bw` refuses text with NaN and names with other than letters, reads a binary body with
+//! two properties of one name askew, and reserves by a list's count (`docs/architecture.md`, Readers).
 
 mod body;
 mod header;

@@ -1,7 +1,7 @@
 //! Volume change plus area change (TOM 4.1).
 //!
 //! ```text
-//!   penalty = sum |volume| of the tetrahedra swept  +  2 |their signed sum|
+//!   penalty = sum |volume| of the tetrahedra swept  +  3 |their signed sum|
 //!           + |v1 - v2| * (1/2 |change of area|  +  area turned upside down  +  area that the border sweeps)
 //!           + a millionth of |v1 - v2|^3
 //! ```
@@ -29,7 +29,7 @@ impl VolumeArea {
 }
 
 /// Weights against the swept volume, found on the meshes of the quality tables.
-const SIGNED: f64 = 2.0;
+const SIGNED: f64 = 3.0;
 const AREA: f64 = 0.5;
 const INVERSION: f64 = 1.0;
 const BORDER: f64 = 1.0;
