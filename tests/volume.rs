@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use multires::{
     mesh::Mesh,
-    quality::{ShapeReport, area, volume},
+    quality::{ShapeReport, area, volume, volume_ratio},
 };
 use proptest::prelude::*;
 
@@ -68,6 +68,21 @@ fn bodies_add_up_and_cavities_are_taken_off() {
 }
 
 #[test]
+fn a_level_is_measured_in_shares_of_the_original() {
+    let (whole, half) = (cuboid([0.0; 3], [4.0, 2.0, 1.0]), cuboid([7.0; 3], [9.0, 9.0, 8.0]));
+    assert_eq!(volume_ratio(&whole, &half), Some(0.5));
+    assert_eq!(volume_ratio(&half, &whole), Some(2.0));
+    assert_eq!(volume_ratio(&whole, &Mesh::new(half.positions(), flipped(&half)).unwrap()), Some(-0.5));
+    let open = Mesh::new(whole.positions(), &whole.triangles()[1..]).unwrap();
+    let sheet = together(&whole, &Mesh::new(whole.positions(), flipped(&whole)).unwrap());
+    for nothing in [&open, &Mesh::default()] {
+        assert_eq!((volume_ratio(&whole, nothing), volume_ratio(nothing, &whole)), (None, None));
+    }
+    // What holds nothing is no share of anything.
+    assert_eq!((volume_ratio(&whole, &sheet), volume_ratio(&sheet, &whole)), (Some(0.0), None));
+}
+
+#[test]
 fn open_or_inconsistent_surfaces_hold_nothing() {
     let mesh = cuboid([0.0; 3], [1.0; 3]);
     assert_eq!(volume(&Mesh::default()), None);
@@ -92,9 +107,13 @@ fn shapes_are_those_of_known_triangles() {
     let equilateral = ShapeReport::new(&triangle([0.0, 3f32.sqrt(), 0.0]));
     near(equilateral.sliver_mean, 1.0);
     near(equilateral.compactness_min, 1.0);
+    near(equilateral.aspect_min, 1.0);
+    near(equilateral.aspect_mean, 1.0);
     near(equilateral.angle_min, PI / 3.0);
     let right = ShapeReport::new(&triangle([1.0, 2.0, 0.0]));
     near(right.sliver_max, (4.0 + 8f64.sqrt()) / 6.0);
+    // Area 2, half the perimeter 2 + sqrt 2, longest edge sqrt 8.
+    near(right.aspect_min, 6.0 / 3f64.sqrt() * 2.0 / ((2.0 + 2f64.sqrt()) * 8f64.sqrt()));
     near(right.angle_max, PI / 2.0);
     near(right.angle_min, PI / 4.0);
     let cap = ShapeReport::new(&triangle([0.0, 1e-3, 0.0]));
@@ -108,7 +127,8 @@ fn degenerate_triangles_are_counted_apart() {
     let mesh = Mesh::new([[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[0, 1, 2], [0, 0, 1]]).unwrap();
     let report = ShapeReport::new(&mesh);
     assert_eq!((report.triangles, report.degenerate), (0, 2));
-    assert_eq!((report.sliver_mean, report.compactness_min, report.angle_min), (0.0, 0.0, 0.0));
+    assert_eq!((report.sliver_mean, report.aspect_min, report.compactness_min), (0.0, 0.0, 0.0));
+    assert_eq!((report.angle_min, report.aspect_mean), (0.0, 0.0));
 }
 
 proptest! {
@@ -123,6 +143,8 @@ proptest! {
         if report.triangles > 0 {
             prop_assert!(report.sliver_mean >= 1.0 - 1e-9 && report.sliver_mean <= report.sliver_max);
             prop_assert!(report.sliver_max.is_finite());
+            prop_assert!(report.aspect_min > 0.0 && report.aspect_min <= report.aspect_mean);
+            prop_assert!(report.aspect_mean <= 1.0 + 1e-9);
             prop_assert!(report.compactness_min > 0.0 && report.compactness_mean <= 1.0 + 1e-9);
             prop_assert!(report.angle_min <= PI / 3.0 + 1e-9 && report.angle_max >= PI / 3.0 - 1e-9);
             prop_assert!(report.angle_max <= PI);

@@ -23,19 +23,17 @@ use obvhs::{
 
 use crate::mesh::{Mesh, NONE};
 
-use super::hash;
+use super::{
+    hash,
+    triangle::{Corners, closest_on_triangle, has_area, hit_triangle},
+};
 
-/// A corner whose squared sine is below this has weights that rounding may spoil.
-const SLIVER: f64 = 1e-10;
 /// Boxes are widened by this much (frame units), far more than a coordinate's rounding.
 const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
 /// Queries farther than this from the frame's centre (frame units) are moved in to it along their direction, where
 /// boxes can still be told apart. From so far away the surface's width is a matter of 1 / FAR^2: what lies nearest to
 /// the nearer point is nearest to the farther one to within that share of the distance.
 const FAR: f64 = (1 << 12) as f64;
-
-/// The corners of a triangle, object units.
-pub(crate) type Corners = [DVec3; 3];
 
 /// The surface of a mesh: its triangles that have an area, coincident ones once.
 ///
@@ -165,6 +163,12 @@ impl Bvh {
         1.0 / self.frame.scale
     }
 
+    /// A length below which points of the surface cannot be told apart, object units: what double precision rounds
+    /// of its coordinates, many times over, and next to nothing beside what single precision tells apart.
+    pub(crate) fn touch(&self) -> f64 {
+        64.0 * f64::EPSILON * (self.frame.centre.abs().max_element() + self.size())
+    }
+
     /// The corners of a slot's triangle.
     pub(crate) fn corners(&self, slot: u32) -> Corners {
         self.corners[slot as usize].map(wide)
@@ -266,6 +270,31 @@ impl Walker<'_> {
         }
         self.hint = best.slot;
         if reach > FAR { bvh.closest_on_slot(best.slot, point) } else { best }
+    }
+
+    /// Calls `visit` with the slot of every triangle that contains a point of the surface, to within
+    /// [`Bvh::touch`]; always in the same order. O(log n) expected, and the triangles around it.
+    pub(crate) fn touching(&mut self, point: DVec3, mut visit: impl FnMut(u32)) {
+        let bvh = self.bvh;
+        let q = bvh.frame.to_frame(point).as_vec3a();
+        let reach = bvh.touch() * bvh.touch();
+        self.near.clear();
+        self.near.push((0, 0.0));
+        while let Some((index, _)) = self.near.pop() {
+            let node = &bvh.nodes[index as usize];
+            // The boxes' margin is far wider than the reach.
+            if box_distance_squared(node, q) > BOX_MARGIN * BOX_MARGIN {
+                continue;
+            }
+            if node.is_leaf() {
+                let slots = node.first_index..node.first_index + node.prim_count;
+                slots
+                    .filter(|&s| bvh.closest_on_slot(s, point).distance_squared <= reach)
+                    .for_each(&mut visit);
+            } else {
+                self.near.extend([(node.first_index + 1, 0.0), (node.first_index, 0.0)]);
+            }
+        }
     }
 
     /// Where the ray first meets the surface, from either side, at `0 < t < reach`. A direction of length 0 meets
@@ -381,12 +410,6 @@ fn corners_of(mesh: &Mesh, triangle: u32) -> Corners {
     mesh.triangles()[triangle as usize].map(|v| wide(mesh.positions()[v as usize]))
 }
 
-/// Whether a triangle has an area. Differences and products of single precision numbers lose next to nothing in
-/// double precision, so this needs no tolerance.
-pub(crate) fn has_area(&[a, b, c]: &Corners) -> bool {
-    (b - a).cross(c - a) != DVec3::ZERO
-}
-
 /// Items of `kept` sorted by a hash of their box, coincident ones once, and where each run of equal boxes starts (one
 /// more than runs). Two boxes of equal hash share a run too: slower, not wrong.
 fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32>) {
@@ -435,53 +458,4 @@ fn box_entry(node: &Bvh2Node, start: Vec3A, inverse: Vec3A) -> f32 {
     let entry = low.min(high).max_element().max(0.0);
     let exit = low.max(high).min_element();
     if entry <= exit { entry } else { f32::INFINITY }
-}
-
-/// The point of a triangle nearest to `p`, and its distance squared.
-///
-/// Inside the prism over the triangle it is the foot on the plane; elsewhere it lies on one of the at most two edges
-/// that `p` is on the outer side of. Whatever rounding does to the weights, the answer is a point of the triangle and
-/// its distance from `p`, never less than the true distance. In a sliver all edges are tried too: nothing is farther
-/// from them than half its height.
-pub(crate) fn closest_on_triangle(&[a, b, c]: &Corners, p: DVec3) -> (DVec3, f64) {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(ac);
-    let square = normal.length_squared();
-    let (v, w) = (ap.cross(ac).dot(normal) / square, ab.cross(ap).dot(normal) / square);
-    let u = 1.0 - v - w;
-    let sliver = square <= SLIVER * (ab.length_squared() * ac.length_squared());
-    let mut best = (a, f64::INFINITY);
-    if u >= 0.0 && v >= 0.0 && w >= 0.0 {
-        let point = a + ab * v + ac * w;
-        best = (point, (point - p).length_squared());
-        if !sliver {
-            return best;
-        }
-    }
-    for (weight, from, edge) in [(u, b, c - b), (v, a, ac), (w, a, ab)] {
-        if weight < 0.0 || sliver {
-            let along = ((p - from).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-            let point = from + edge * along;
-            let distance_squared = (point - p).length_squared();
-            if distance_squared < best.1 {
-                best = (point, distance_squared);
-            }
-        }
-    }
-    best
-}
-
-/// Where a ray meets a triangle: `t > 0` and the weights of the corners (Moller and Trumbore 1997).
-fn hit_triangle(&[a, b, c]: &Corners, origin: DVec3, direction: DVec3) -> Option<(f64, [f64; 3])> {
-    let (ab, ac, ao) = (b - a, c - a, origin - a);
-    let normal = ab.cross(ac);
-    let facing = -direction.dot(normal);
-    if facing == 0.0 {
-        return None;
-    }
-    let turned = ao.cross(direction);
-    let (t, v, w) = (ao.dot(normal) / facing, ac.dot(turned) / facing, -ab.dot(turned) / facing);
-    // A hair of overlap, so that no ray slips between two triangles.
-    let edge = -1e-12;
-    (v >= edge && w >= edge && v + w <= 1.0 - edge && t > 0.0).then_some((t, [1.0 - v - w, v, w]))
 }

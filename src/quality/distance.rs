@@ -14,19 +14,9 @@ use glam::DVec3;
 
 use crate::mesh::Mesh;
 
-use super::{
-    QualityError,
-    bvh::{Bvh, Corners, Walker},
-    hash, map_chunks,
-    samples::{Shares, sierpinski},
-};
+use super::{QualityError, bvh::Walker, surface::Surface};
 
-/// Samples of one unit of work. The result depends on it (the order of sums), so it never depends on the machine.
-const CHUNK: usize = 4096;
-/// Most samples, so that sums keep their digits and a slip of the pen does not run for days.
-const MAX_SAMPLES: usize = 1 << 32;
-
-/// What to sample a [`distance`] with.
+/// What to sample a [`distance`] and its kin with.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DistanceOptions {
@@ -133,7 +123,8 @@ impl Distance {
 ///
 /// The surface is the triangles that have an area; coincident ones count once, and vertices that only other triangles
 /// use do not count. Nearest points are exact to double precision; what is sampled is only where they are asked for. The
-/// same meshes and options give the same bytes for any number of threads.
+/// same meshes and options give the same bytes for any number of threads. To measure many meshes against one, prepare
+/// it once: [`Surface`].
 ///
 /// O((n + samples) log n), with some 200 bytes a triangle while it runs.
 ///
@@ -149,18 +140,8 @@ impl Distance {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn distance(a: &Mesh, b: &Mesh, options: &DistanceOptions) -> Result<Distance, QualityError> {
-    if !(1..=MAX_SAMPLES).contains(&options.samples) {
-        return Err(QualityError::Samples { samples: options.samples, limit: MAX_SAMPLES });
-    }
-    let surface = |mesh: &Mesh, which| {
-        Bvh::new(mesh).ok_or(QualityError::NoSurface { which, triangles: mesh.triangles().len() })
-    };
-    let (first, second) = (surface(a, "first")?, surface(b, "second")?);
-    Ok(Distance {
-        forward: one_sided(a, &first, &second, options),
-        backward: one_sided(b, &second, &first, options),
-        diagonal: a.diagonal(),
-    })
+    options.check()?;
+    Surface::named(a, "first")?.distance(&Surface::named(b, "second")?, options)
 }
 
 /// Distance of every vertex of a mesh from the surface of another, object units: to colour the mesh by its error
@@ -169,15 +150,54 @@ pub fn distance(a: &Mesh, b: &Mesh, options: &DistanceOptions) -> Result<Distanc
 /// # Errors
 /// The second mesh has no surface. The first needs none.
 pub fn vertex_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError> {
-    let triangles = to.triangles().len();
-    let surface = Bvh::new(to).ok_or(QualityError::NoSurface { which: "second", triangles })?;
-    let chunks = map_chunks(from.positions().len(), CHUNK, |range| {
-        let mut walker = surface.walker();
-        let distance =
-            |p: &[f32; 3]| walker.closest(DVec3::from_array(p.map(f64::from))).distance_squared.sqrt();
-        from.positions()[range].iter().map(distance).collect::<Vec<_>>()
-    });
-    Ok(chunks.concat())
+    Ok(Surface::named(to, "second")?.point_distances(from.positions()))
+}
+
+impl Surface<'_> {
+    /// How far this surface and another are apart, in both directions: [`distance`] without building anything.
+    ///
+    /// # Errors
+    /// A number of samples that is not 1 to 2^32.
+    pub fn distance(&self, other: &Surface<'_>, options: &DistanceOptions) -> Result<Distance, QualityError> {
+        Ok(Distance {
+            forward: self.distance_to(other, options)?,
+            backward: other.distance_to(self, options)?,
+            diagonal: self.diagonal(),
+        })
+    }
+
+    /// How far this surface is from another: one direction of [`distance`].
+    ///
+    /// # Errors
+    /// A number of samples that is not 1 to 2^32.
+    pub fn distance_to(
+        &self,
+        other: &Surface<'_>,
+        options: &DistanceOptions,
+    ) -> Result<OneSided, QualityError> {
+        options.check()?;
+        let start = || (other.bvh().walker(), Partial::NONE);
+        let joined = |sums: Vec<(Walker<'_>, Partial)>| {
+            sums.into_iter().map(|(_, partial)| partial).fold(Partial::NONE, Partial::join)
+        };
+        let faces = joined(self.on_faces(options, start, |(walker, sums), _, _, point| {
+            sums.add(walker, point);
+        }));
+        let outline = joined(self.on_outline(options, start, |(walker, sums), point| {
+            sums.add(walker, point);
+        }));
+        let highest = faces.join(outline);
+        let count = options.samples as f64;
+        Ok(OneSided {
+            max: highest.max.max(0.0),
+            mean: faces.sum / count,
+            rms: (faces.sum_of_squares / count).sqrt(),
+            max_at: highest.max_at.to_array(),
+            max_to: highest.max_to.to_array(),
+            face_samples: options.samples,
+            edge_samples: self.outline_samples(options),
+        })
+    }
 }
 
 /// Sums over one chunk of samples. Squares of single precision lengths are far inside the range of double precision.
@@ -212,84 +232,4 @@ impl Partial {
             ..higher
         }
     }
-}
-
-fn one_sided(mesh: &Mesh, from: &Bvh, to: &Bvh, options: &DistanceOptions) -> OneSided {
-    let area = |slot: u32| {
-        let [a, b, c] = from.corners(slot);
-        (b - a).cross(c - a).length()
-    };
-    let faces = Shares::new((0..from.len() as u32).map(area), options.samples, options.seed);
-    let on_faces = over_chunks(faces.len(), to, |range, add| {
-        for (slot, along) in faces.positions(range) {
-            add(blend(&from.corners(slot as u32), sierpinski(along)));
-        }
-    });
-
-    let (corners, edges) = corners_and_edges(mesh, from);
-    let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
-    let on_corners = over_chunks(corners.len(), to, |range, add| {
-        corners[range].iter().for_each(|&v| add(position(v)));
-    });
-    let lengths = edges.iter().map(|&[a, b]| (position(b) - position(a)).length());
-    let shares = Shares::new(lengths, options.samples.div_ceil(4), hash::mix(options.seed));
-    let on_edges = over_chunks(shares.len(), to, |range, add| {
-        for (edge, along) in shares.positions(range) {
-            let [a, b] = edges[edge].map(position);
-            add(a + (b - a) * along);
-        }
-    });
-
-    let highest = on_faces.join(on_corners).join(on_edges);
-    let count = faces.len().max(1) as f64;
-    OneSided {
-        max: highest.max.max(0.0),
-        mean: on_faces.sum / count,
-        rms: (on_faces.sum_of_squares / count).sqrt(),
-        max_at: highest.max_at.to_array(),
-        max_to: highest.max_to.to_array(),
-        face_samples: faces.len(),
-        edge_samples: corners.len() + shares.len(),
-    }
-}
-
-/// Adds up what `points` hands over for every chunk of `0..count`, joined in order.
-fn over_chunks(
-    count: usize,
-    to: &Bvh,
-    points: impl Fn(std::ops::Range<usize>, &mut dyn FnMut(DVec3)) + Sync,
-) -> Partial {
-    map_chunks(count, CHUNK, |range| {
-        let (mut walker, mut partial) = (to.walker(), Partial::NONE);
-        points(range, &mut |point| partial.add(&mut walker, point));
-        partial
-    })
-    .into_iter()
-    .fold(Partial::NONE, Partial::join)
-}
-
-fn blend(&[a, b, c]: &Corners, weights: [f64; 3]) -> DVec3 {
-    a + (b - a) * weights[1] + (c - a) * weights[2]
-}
-
-/// Every vertex and every edge of the surface once, in the order of its slots.
-fn corners_and_edges(mesh: &Mesh, surface: &Bvh) -> (Vec<u32>, Vec<[u32; 2]>) {
-    let mut seen = vec![false; mesh.positions().len()];
-    let mut corners = Vec::new();
-    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * surface.len());
-    for &triangle in surface.triangle_of() {
-        let [a, b, c] = mesh.triangles()[triangle as usize];
-        for v in [a, b, c] {
-            if !std::mem::replace(&mut seen[v as usize], true) {
-                corners.push(v);
-            }
-        }
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            sides.push(([p.min(q), p.max(q)], sides.len() as u32));
-        }
-    }
-    sides.sort_unstable();
-    sides.dedup_by_key(|side| side.0);
-    sides.sort_unstable_by_key(|side| side.1);
-    (corners, sides.into_iter().map(|side| side.0).collect())
 }

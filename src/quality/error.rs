@@ -7,10 +7,30 @@ pub enum QualityError {
     /// A mesh has no triangle with an area, so there is no surface to measure.
     #[error("the {which} mesh has no surface: none of its {triangles} triangles has an area")]
     NoSurface {
-        /// "first" or "second", in the order of the arguments.
+        /// "first" or "second", in the order of the arguments; "given" where there is but one.
         which: &'static str,
         /// How many triangles it has.
         triangles: usize,
+    },
+    /// A mesh has a border, so that there is no inside.
+    #[error("the {which} mesh is not closed: triangles along the edge of vertices {edge:?}: {triangles}")]
+    Open {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// The edge's ends. Vertices at the same position count as the first of them.
+        edge: [u32; 2],
+        /// How many triangles lie along it: an odd number.
+        triangles: usize,
+    },
+    /// A mesh is closed, but its triangles do not agree on which side is outside.
+    #[error(
+        "the {which} mesh is inconsistently oriented: triangles run the same way along the edge of vertices {edge:?}"
+    )]
+    Orientation {
+        /// As in [`NoSurface`](Self::NoSurface).
+        which: &'static str,
+        /// The edge's ends. Vertices at the same position count as the first of them.
+        edge: [u32; 2],
     },
     /// A measurement was asked for with no samples, or more than can be numbered.
     #[error("{samples} samples were asked for, which is not 1 to {limit}")]
@@ -48,4 +68,17 @@ pub enum QualityError {
         /// How many are needed.
         expected: usize,
     },
+}
+
+impl QualityError {
+    /// The same error of a mesh by another name.
+    pub(crate) fn of(mut self, name: &'static str) -> Self {
+        match &mut self {
+            Self::NoSurface { which, .. } | Self::Open { which, .. } | Self::Orientation { which, .. } => {
+                *which = name;
+            }
+            _ => {}
+        }
+        self
+    }
 }

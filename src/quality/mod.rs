@@ -4,8 +4,12 @@
 //! |---|---|
 //! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
 //! | `samples.rs` | points spread evenly over a surface |
-//! | `distance.rs` | [`distance`]: Metro's two-sided distance between two meshes |
-//! | `volume.rs` | [`volume()`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `triangle.rs` | one triangle: nearest point, ray, angle and weights at a point |
+//! | `surface.rs` | [`Surface`]: a mesh prepared once for measuring |
+//! | `distance.rs` | [`distance()`]: Metro's two-sided distance between two meshes |
+//! | `signed.rs` | [`signed_distance`]: how far outside and how far inside; `closed.rs`: whether there is an inside |
+//! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
+//! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
 //! | `camera.rs` | [`Camera`]: where a picture is taken from |
 //! | `normals.rs` | normals to shade with |
@@ -16,22 +20,30 @@
 
 mod bvh;
 mod camera;
+mod closed;
 mod distance;
 mod error;
 mod hash;
+mod normal_deviation;
 mod normals;
 pub mod palette;
 mod picture;
 mod render;
 mod samples;
+mod signed;
+mod surface;
+mod triangle;
 mod volume;
 
 pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
+pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
 pub use picture::Picture;
 pub use render::{Colours, RenderOptions, Shading, render};
-pub use volume::{ShapeReport, area, volume};
+pub use signed::{SignedDistance, SignedOneSided, signed_distance, vertex_signed_distances};
+pub use surface::Surface;
+pub use volume::{ShapeReport, area, volume, volume_ratio};
 
 /// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.
 pub(crate) fn map_chunks<T: Send>(

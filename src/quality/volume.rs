@@ -1,12 +1,14 @@
 //! What a mesh encloses, how large its surface is, and how far its triangles are from equilateral.
 //!
 //! Source: Southern, "Quality control tools for interactive rendering of 3D triangle meshes", sections 2.5 and 4.2
-//! (K_vol and K_sliver). Volume means something only where the surface is closed and agrees on what is outside; where
+//! (K_vol, K_sliver, and K_Tri of Frey and Borouchaki 1997). Volume means something only where the surface is closed and agrees on what is outside; where
 //! it does not there is none, rather than a number.
 
 use glam::DVec3;
 
-use crate::mesh::{Mesh, Topology};
+use crate::mesh::Mesh;
+
+use super::closed::check_closed;
 
 /// Enclosed volume in cubic object units, negative where the triangles face inward.
 ///
@@ -23,7 +25,7 @@ use crate::mesh::{Mesh, Topology};
 /// ```
 pub fn volume(mesh: &Mesh) -> Option<f64> {
     let [low, high] = mesh.bounds()?.map(|p| DVec3::from_array(p.map(f64::from)));
-    if !is_closed(mesh) {
+    if check_closed(mesh, "given").is_err() {
         return None;
     }
     // About the middle, so that nothing cancels far from the origin.
@@ -36,6 +38,21 @@ pub fn volume(mesh: &Mesh) -> Option<f64> {
     Some(six.sum::<f64>() / 6.0)
 }
 
+/// Volume of a level in shares of the original's: K_vol as Southern normalises it (section 4.2.1). 1 where nothing
+/// was lost; a level may also gain.
+///
+/// `None` where either is open or inconsistently oriented ([`volume()`]), or the original holds nothing. O(n log n).
+///
+/// ```
+/// use multires::{mesh::shapes, quality::volume_ratio};
+/// let ratio = volume_ratio(&shapes::icosphere(4), &shapes::icosphere(2));
+/// assert!(ratio.is_some_and(|k| 0.9 < k && k < 1.0));
+/// ```
+pub fn volume_ratio(original: &Mesh, level: &Mesh) -> Option<f64> {
+    let ratio = volume(level)? / volume(original)?;
+    ratio.is_finite().then_some(ratio)
+}
+
 /// Area of all triangles in square object units. O(n).
 pub fn area(mesh: &Mesh) -> f64 {
     let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
@@ -44,22 +61,6 @@ pub fn area(mesh: &Mesh) -> f64 {
         (b - a).cross(c - a).length()
     });
     twice.sum::<f64>() * 0.5
-}
-
-/// Whether every edge between two points is run through as often one way as the other.
-fn is_closed(mesh: &Mesh) -> bool {
-    let topology = Topology::new(mesh);
-    let mut sides: Vec<(u64, bool)> = Vec::with_capacity(3 * mesh.triangles().len());
-    for triangle in mesh.triangles() {
-        let [a, b, c] = triangle.map(|v| topology.point_of()[v as usize]);
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            if p != q {
-                sides.push((u64::from(p.min(q)) << 32 | u64::from(p.max(q)), p < q));
-            }
-        }
-    }
-    sides.sort_unstable();
-    sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().filter(|side| side.1).count() * 2 == edge.len())
 }
 
 /// How far a mesh's triangles are from equilateral.
@@ -76,6 +77,11 @@ pub struct ShapeReport {
     pub sliver_mean: f64,
     /// The largest of these ratios.
     pub sliver_max: f64,
+    /// Mean of Q_f = (6 / sqrt(3)) * area / (half the perimeter * longest edge), Frey and Borouchaki's aspect ratio:
+    /// 1 for equilateral triangles, 0 for flat ones. Southern's K_Tri (section 2.5.2).
+    pub aspect_mean: f64,
+    /// The smallest Q_f.
+    pub aspect_min: f64,
     /// Mean of 4 sqrt(3) * area / (sum of squared edges): 1 for equilateral triangles, 0 for collapsed ones. Unlike
     /// the sliver ratio it also sees caps, whose angle is near 180 degrees.
     pub compactness_mean: f64,
@@ -96,6 +102,8 @@ impl ShapeReport {
             degenerate: 0,
             sliver_mean: 0.0,
             sliver_max: 0.0,
+            aspect_mean: 0.0,
+            aspect_min: f64::INFINITY,
             compactness_mean: 0.0,
             compactness_min: f64::INFINITY,
             angle_min: f64::INFINITY,
@@ -111,12 +119,18 @@ impl ShapeReport {
             let edges = [b - a, c - b, a - c];
             let lengths = edges.map(DVec3::length);
             let shortest = lengths[0].min(lengths[1]).min(lengths[2]);
-            let sliver = lengths.iter().sum::<f64>() / (3.0 * shortest);
+            let perimeter = lengths.iter().sum::<f64>();
+            let sliver = perimeter / (3.0 * shortest);
+            let longest = lengths[0].max(lengths[1]).max(lengths[2]);
+            // The normal is twice the area long, and the perimeter two halves.
+            let aspect = 6.0 / 3f64.sqrt() * normal.length() / (perimeter * longest);
             let squares: f64 = edges.iter().map(|e| e.length_squared()).sum();
             let compactness = 2.0 * 3f64.sqrt() * normal.length() / squares;
             report.triangles += 1;
             report.sliver_mean += sliver;
             report.sliver_max = report.sliver_max.max(sliver);
+            report.aspect_mean += aspect;
+            report.aspect_min = report.aspect_min.min(aspect);
             report.compactness_mean += compactness;
             report.compactness_min = report.compactness_min.min(compactness);
             for (out, back) in [(edges[0], -edges[2]), (edges[1], -edges[0]), (edges[2], -edges[1])] {
@@ -126,9 +140,10 @@ impl ShapeReport {
             }
         }
         if report.triangles == 0 {
-            return Self { compactness_min: 0.0, angle_min: 0.0, ..report };
+            return Self { aspect_min: 0.0, compactness_min: 0.0, angle_min: 0.0, ..report };
         }
         report.sliver_mean /= report.triangles as f64;
+        report.aspect_mean /= report.triangles as f64;
         report.compactness_mean /= report.triangles as f64;
         report
     }

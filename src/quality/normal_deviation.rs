@@ -1,0 +1,164 @@
+//! How far two surfaces turn from each other: the angle between the normals at a point and at the one nearest to it.
+//!
+//! Distances do not see it: a surface folded like a paper fan may lie close everywhere and be shaded wrongly everywhere.
+
+use glam::DVec3;
+
+use crate::mesh::Mesh;
+
+use super::{
+    DistanceOptions, QualityError,
+    bvh::{Bvh, Walker},
+    surface::Surface,
+    triangle::{angle_at, unit_normal},
+};
+
+/// Angles over the area of a surface, degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Angles {
+    /// Mean angle.
+    pub mean: f64,
+    /// Root of the mean square angle.
+    pub rms: f64,
+    /// Largest angle found.
+    pub max: f64,
+    /// Where on the sampled surface the largest angle is, object units.
+    pub max_at: [f64; 3],
+}
+
+/// Angles between the normals of one surface and those of another at the nearest points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct OneSidedNormals {
+    /// Between normals as the triangles face, 0 to 180: for surfaces that agree on what is outside.
+    pub oriented: Angles,
+    /// Between the triangles' planes, 0 to 90: for surfaces that do not, and for those drawn from both sides.
+    pub unoriented: Angles,
+}
+
+/// Angles between the normals of two surfaces in both directions, degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct NormalDeviation {
+    /// Samples on the first, nearest points on the second.
+    pub forward: OneSidedNormals,
+    /// Samples on the second, nearest points on the first.
+    pub backward: OneSidedNormals,
+}
+
+/// How far the normals of two surfaces turn from each other.
+///
+/// Normals are those of the triangles, not of the vertices: what the geometry is, not how it is smoothed. Samples lie on
+/// faces, each standing for the same area. Where the nearest point lies on an edge or a corner, the triangle there that
+/// turns least counts. O((n + samples) log n).
+///
+/// # Errors
+/// A mesh without a surface; a number of samples that is not 1 to 2^32.
+///
+/// ```
+/// use multires::{mesh::Mesh, quality::{DistanceOptions, normal_deviation}};
+/// let flat = Mesh::new([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]])?;
+/// let steep = Mesh::new([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], [[0, 2, 1]])?;
+/// let turned = normal_deviation(&flat, &steep, &DistanceOptions::default().with_samples(100))?.forward;
+/// assert!((turned.unoriented.mean - 45.0).abs() < 1e-6 && (turned.oriented.mean - 135.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn normal_deviation(
+    a: &Mesh,
+    b: &Mesh,
+    options: &DistanceOptions,
+) -> Result<NormalDeviation, QualityError> {
+    options.check()?;
+    let (first, second) = (Surface::named(a, "first")?, Surface::named(b, "second")?);
+    Ok(NormalDeviation {
+        forward: first.normal_deviation_to(&second, options)?,
+        backward: second.normal_deviation_to(&first, options)?,
+    })
+}
+
+impl Surface<'_> {
+    /// How far the normals of this surface turn from those of another: the forward half of [`normal_deviation`].
+    ///
+    /// # Errors
+    /// A number of samples that is not 1 to 2^32.
+    pub fn normal_deviation_to(
+        &self,
+        other: &Surface<'_>,
+        options: &DistanceOptions,
+    ) -> Result<OneSidedNormals, QualityError> {
+        options.check()?;
+        let start = || (other.bvh().walker(), [Sums::NONE; 2]);
+        let sums = self.on_faces(options, start, |(walker, sums), slot, _, point| {
+            let normal = unit_normal(&self.bvh().corners(slot));
+            let [oriented, unoriented] = turns(other.bvh(), walker, point, normal);
+            sums[0].add(oriented, point);
+            sums[1].add(unoriented, point);
+        });
+        let [oriented, unoriented] = [0, 1].map(|kind| {
+            let joined = sums.iter().map(|(_, sums)| sums[kind]).fold(Sums::NONE, Sums::join);
+            joined.over(options.samples)
+        });
+        Ok(OneSidedNormals { oriented, unoriented })
+    }
+}
+
+/// Least angle, oriented and not, between a normal and those of the surface where it is nearest to a point, degrees.
+fn turns(bvh: &Bvh, walker: &mut Walker<'_>, point: DVec3, normal_there: DVec3) -> [f64; 2] {
+    let nearest = walker.closest(point);
+    let turn = |slot: u32| {
+        let normal = unit_normal(&bvh.corners(slot));
+        let (across, along) = (normal_there.cross(normal).length(), normal_there.dot(normal));
+        [across.atan2(along).to_degrees(), across.atan2(along.abs()).to_degrees()]
+    };
+    let mut least = turn(nearest.slot);
+    if angle_at(&bvh.corners(nearest.slot), nearest.point, 2.0 * bvh.touch()) < std::f64::consts::TAU {
+        walker.touching(nearest.point, |slot| {
+            let turn = turn(slot);
+            least = [least[0].min(turn[0]), least[1].min(turn[1])];
+        });
+    }
+    least
+}
+
+#[derive(Clone, Copy)]
+struct Sums {
+    sum: f64,
+    sum_of_squares: f64,
+    max: f64,
+    max_at: DVec3,
+}
+
+impl Sums {
+    const NONE: Self = Self { sum: 0.0, sum_of_squares: 0.0, max: -1.0, max_at: DVec3::ZERO };
+
+    fn add(&mut self, angle: f64, point: DVec3) {
+        self.sum += angle;
+        self.sum_of_squares += angle * angle;
+        if angle > self.max {
+            (self.max, self.max_at) = (angle, point);
+        }
+    }
+
+    fn join(self, other: Self) -> Self {
+        let higher = if other.max > self.max { other } else { self };
+        Self {
+            sum: self.sum + other.sum,
+            sum_of_squares: self.sum_of_squares + other.sum_of_squares,
+            ..higher
+        }
+    }
+
+    fn over(self, samples: usize) -> Angles {
+        let count = samples as f64;
+        Angles {
+            mean: self.sum / count,
+            rms: (self.sum_of_squares / count).sqrt(),
+            max: self.max.max(0.0),
+            max_at: self.max_at.to_array(),
+        }
+    }
+}
