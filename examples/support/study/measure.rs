@@ -8,7 +8,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use multires::quality::{DistanceOptions, ShapeReport, distance, volume};
+use multires::quality::{DistanceOptions, ShapeReport, Surface, volume};
 use multires::simplify::{CollapseSequence, ErrorMeasure, ErrorMetric, OptionError, Placement, metric};
 use multires::{Mesh, Simplifier, Target};
 
@@ -41,7 +41,9 @@ pub fn rows(
 ) -> Result<Vec<Row>, Box<dyn Error>> {
     let mesh = Mesh::new(mesh.positions(), mesh.triangles())?;
     let model = Model::new(&mesh, options)?;
-    let own = model.values(&mesh)?;
+    // From itself a surface has no distance but that of rounding.
+    let mut own = model.values(&mesh)?;
+    [own[METRO], own[MAX]] = [Some(0.0); 2];
     let mut rows = Vec::with_capacity(METRICS.len() * PLACEMENTS.len() * options.steps);
     for (metric, about) in METRICS.iter().enumerate() {
         for (placement, (place, place_name)) in PLACEMENTS.into_iter().enumerate() {
@@ -79,14 +81,15 @@ pub fn rows(
 struct Model<'a> {
     mesh: &'a Mesh,
     options: &'a Options,
+    surface: Surface<'a>,
     volume: Option<f64>,
     images: Images,
 }
 
 impl<'a> Model<'a> {
     fn new(mesh: &'a Mesh, options: &'a Options) -> Result<Self, Box<dyn Error>> {
-        let images = Images::new(mesh, options.views, options.size)?;
-        Ok(Self { mesh, options, volume: volume(mesh).filter(|&v| v != 0.0), images })
+        let (surface, images) = (Surface::new(mesh)?, Images::new(mesh, options.views, options.size)?);
+        Ok(Self { mesh, options, surface, volume: volume(mesh).filter(|&v| v != 0.0), images })
     }
 
     /// Triangles that a step asks for.
@@ -112,9 +115,10 @@ impl<'a> Model<'a> {
         values[SLIVER] = Some(ShapeReport::new(level).sliver_mean);
         values[VOLUME] = self.volume.and_then(|whole| volume(level).map(|v| v / whole));
         values[CHANGE] = values[VOLUME].map(|ratio| (1.0 - ratio).abs());
-        let samples = DistanceOptions::default().with_samples(self.options.samples);
-        // A level that has lost all its surface has no distance; a model that never had one has no pictures either.
-        if let Ok(apart) = distance(self.mesh, level, &samples) {
+        // A level that has lost all its surface has no distance.
+        if let Ok(surface) = Surface::new(level) {
+            let samples = DistanceOptions::default().with_samples(self.options.samples);
+            let apart = self.surface.distance(&surface, &samples)?;
             values[METRO] = Some(apart.mean_percent());
             values[MAX] = Some(apart.hausdorff_percent());
         }
