@@ -1,4 +1,5 @@
-//! Samples a second of `distance`, and what building the hierarchies costs beside them, on a generated mesh.
+//! Samples a second of `distance`, and what building the hierarchies costs beside them; pixels a second of `render` and of
+//! comparing by images; on generated meshes.
 #![allow(missing_docs)]
 
 use std::hint::black_box;
@@ -6,7 +7,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use multires::{
     mesh::Mesh,
-    quality::{Camera, DistanceOptions, RenderOptions, distance, render},
+    quality::{Camera, DistanceOptions, ImageOptions, ReferenceImages, RenderOptions, distance, render},
 };
 
 /// A bumpy torus of `2 * rings * sides` triangles.
@@ -62,5 +63,22 @@ fn pictures(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, distances, pictures);
+fn images(criterion: &mut Criterion) {
+    let (fine, coarse) = (torus(360, 120), torus(48, 24));
+    let options = ImageOptions::default();
+    let mut group = criterion.benchmark_group("images");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements((options.views * options.size * options.size) as u64));
+    group.bench_function("42 views of 512 x 512 of 86k triangles", |b| {
+        b.iter(|| ReferenceImages::new(black_box(&fine), &options));
+    });
+    if let Ok(reference) = ReferenceImages::new(&fine, &options) {
+        group.bench_function("42 views of 512 x 512 of 2k triangles, compared", |b| {
+            b.iter(|| reference.difference(black_box(&coarse)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, distances, pictures, images);
 criterion_main!(benches);

@@ -47,6 +47,7 @@ fn every_way_makes_every_level() {
         // A closed model has a volume, an open one none.
         assert_eq!(row.values[VOLUME].is_some(), row.model == "knot");
         assert!(row.values[SLIVER].is_some_and(|sliver| sliver > 1.0));
+        assert!(row.values[L1].is_some_and(|l1| (l1 > 0.0) == (row.step > 0)));
         let (mean, max) = (row.values[METRO].expect("measured"), row.values[MAX].expect("measured"));
         assert!(if row.step == 0 { max < 1e-5 } else { 0.0 < mean && mean < max });
     }

@@ -317,6 +317,8 @@ impl Walker<'_> {
         // Frame distance from `start` is t * per_t - skipped.
         let per_t = direction.length() * bvh.frame.scale;
 
+        // On an edge of two triangles the mesh's first, however the tree was built.
+        let before = |a: u32, b: u32| bvh.triangle_of[a as usize] < bvh.triangle_of[b as usize];
         let mut best: Option<RayHit> = None;
         let in_frame = |t: f64| (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
         let mut limit = in_frame(reach);
@@ -324,7 +326,7 @@ impl Walker<'_> {
         let mut visit = |node: &Bvh2Node, limit: &mut f32| {
             for slot in node.first_index..node.first_index + node.prim_count {
                 if let Some((t, weights)) = hit_triangle(&bvh.corners(slot), origin, direction)
-                    && best.map_or(t < reach, |b| t < b.t || (t == b.t && slot < b.slot))
+                    && best.map_or(t < reach, |b| t < b.t || (t == b.t && before(slot, b.slot)))
                 {
                     best = Some(RayHit { slot, weights, t });
                     *limit = in_frame(t);

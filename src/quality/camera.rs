@@ -135,7 +135,7 @@ impl View {
 }
 
 /// Right, up and forward of a view, orthonormal.
-fn axes(forward: DVec3, up: DVec3) -> [DVec3; 3] {
+pub(super) fn axes(forward: DVec3, up: DVec3) -> [DVec3; 3] {
     let right = forward.cross(up);
     let right = if right.length() > 1e-6 { right.normalize() } else { forward.any_orthonormal_vector() };
     [right, right.cross(forward), forward]

@@ -68,6 +68,24 @@ pub enum QualityError {
         /// How many are needed.
         expected: usize,
     },
+    /// A comparison by images with no view or no pixel, or with more pixels than are supported.
+    #[error("{views} views of {size} by {size} pixels are not 1 to {limit} pixels in all")]
+    ImagePixels {
+        /// How many views were asked for.
+        views: usize,
+        /// Pixels on each side.
+        size: usize,
+        /// Most pixels of all views.
+        limit: usize,
+    },
+    /// A view that there is none of.
+    #[error("there is no view {view} of {views}: they count from 0")]
+    View {
+        /// The view asked for.
+        view: usize,
+        /// How many there are.
+        views: usize,
+    },
 }
 
 impl QualityError {

@@ -10,7 +10,9 @@
 //! | `signed.rs` | [`signed_distance`]: how far outside and how far inside; `closed.rs`: whether there is an inside |
 //! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
 //! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `images.rs` | [`image_difference`]: what is seen of the difference, over views from all sides |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
+//! | `sight.rs` | what a ray sees: the surface, its side, its normal |
 //! | `camera.rs` | [`Camera`]: where a picture is taken from |
 //! | `normals.rs` | normals to shade with |
 //! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
@@ -24,12 +26,14 @@ mod closed;
 mod distance;
 mod error;
 mod hash;
+mod images;
 mod normal_deviation;
 mod normals;
 pub mod palette;
 mod picture;
 mod render;
 mod samples;
+mod sight;
 mod signed;
 mod surface;
 mod triangle;
@@ -38,6 +42,7 @@ mod volume;
 pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
+pub use images::{ImageDifference, ImageOptions, ReferenceImages, image_difference};
 pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
 pub use picture::Picture;
 pub use render::{Colours, RenderOptions, Shading, render};

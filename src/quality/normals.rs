@@ -16,6 +16,13 @@ pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
         let normal = |v: u32| Vec3::from_slice(&own[3 * v as usize..3 * v as usize + 3]).normalize_or_zero();
         return mesh.indices().iter().map(|&v| normal(v)).collect();
     }
+    smooth_normals(mesh, CREASE)
+}
+
+/// The same from the surface alone, whatever normals the mesh has: the mean of the triangles around each point, by
+/// area, less those whose normals' cosine to the corner's own triangle is below `crease`. Vertices at the same position
+/// are one point. O(n).
+pub(super) fn smooth_normals(mesh: &Mesh, crease: f32) -> Vec<Vec3> {
     let faces = face_normals(mesh);
     let topology = Topology::new(mesh);
     let point_of = |corner: usize| topology.point_of()[mesh.indices()[corner] as usize] as usize;
@@ -44,7 +51,7 @@ pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
             }
             let smooth = |&other: &u32| {
                 let (normal, area) = faces[other as usize / 3];
-                if normal.dot(own) >= CREASE { normal * area } else { Vec3::ZERO }
+                if normal.dot(own) >= crease { normal * area } else { Vec3::ZERO }
             };
             (around.iter().map(smooth).sum::<Vec3>() / area.max(f32::MIN_POSITIVE)).normalize_or(own)
         })

@@ -21,6 +21,7 @@ use super::{
     hash, map_chunks,
     normals::corner_normals,
     palette,
+    sight::Sight,
 };
 
 /// Most pixels on a side.
@@ -167,13 +168,15 @@ pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<P
     let bvh = Bvh::new(mesh);
     let scene = bvh.as_ref().map(|bvh| Scene {
         mesh,
-        bvh,
+        sight: Sight {
+            bvh,
+            normals: match options.shading {
+                Shading::Smooth => corner_normals(mesh),
+                Shading::Flat => Vec::new(),
+            },
+        },
         view,
         options,
-        normals: match options.shading {
-            Shading::Smooth => corner_normals(mesh),
-            Shading::Flat => Vec::new(),
-        },
     });
 
     let offsets: &[[f64; 2]] = match options.supersampling {
@@ -205,43 +208,22 @@ pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<P
 
 struct Scene<'a> {
     mesh: &'a Mesh,
-    bvh: &'a Bvh,
+    sight: Sight<'a>,
     view: View,
     options: &'a RenderOptions,
-    /// Three to a triangle; empty for flat shading.
-    normals: Vec<Vec3>,
 }
 
 impl Scene<'_> {
     /// Linear light along the ray through a point of the picture; `None` where it misses the mesh.
     fn trace(&self, walker: &mut Walker<'_>, at: [f64; 2], pixel: u64, sample: u64) -> Option<Vec3> {
         let direction = self.view.direction(at[0], at[1]);
-        let hit = walker.first_hit(self.view.eye, direction, f64::INFINITY)?;
-        let triangle = self.bvh.triangle_of()[hit.slot as usize] as usize;
-        let [a, b, c] = self.bvh.corners(hit.slot);
-        let face = (b - a).cross(c - a).normalize_or_zero();
-        let front = face.dot(direction) <= 0.0;
-        let facing = if front { face } else { -face };
-
-        let weights = hit.weights.map(|w| w as f32);
-        let normal = self.normal(triangle, weights, face.as_vec3(), front, direction.as_vec3());
-        let base = if front { self.colour(triangle, weights) } else { to_linear(BACK) };
-        let open = self.openness(walker, self.view.eye + direction * hit.t, facing, pixel, sample);
-        let lit = self.light(base, normal, direction.as_vec3(), open);
-        let line = self.edge(&hit, at);
+        let seen = self.sight.look(walker, self.view.eye, direction)?;
+        let base = if seen.front { self.colour(seen.triangle, seen.weights) } else { to_linear(BACK) };
+        let point = self.view.eye + direction * seen.hit.t;
+        let open = self.openness(walker, point, seen.facing, pixel, sample);
+        let lit = self.light(base, seen.normal, direction.as_vec3(), open);
+        let line = self.edge(&seen.hit, at);
         Some(lit.lerp(lit * 0.12, line))
-    }
-
-    /// The normal to shade with, on the viewer's side of the surface.
-    fn normal(&self, triangle: usize, weights: [f32; 3], face: Vec3, front: bool, direction: Vec3) -> Vec3 {
-        let flat = if front { face } else { -face };
-        let Some(corners) = self.normals.get(3 * triangle..3 * triangle + 3) else { return flat };
-        let blend =
-            (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]).normalize_or(face);
-        let normal = if front { blend } else { -blend };
-        // Where the triangle is seen and its smooth normal points away: the nearest that does not.
-        let away = normal.dot(direction);
-        if away > 0.0 { (normal - direction * away).normalize_or(flat) } else { normal }
     }
 
     fn colour(&self, triangle: usize, weights: [f32; 3]) -> Vec3 {
@@ -264,8 +246,8 @@ impl Scene<'_> {
         if rays == 0 {
             return 1.0;
         }
-        let reach = self.bvh.size() * OCCLUSION_REACH;
-        let from = point + normal * (self.bvh.size() * 1e-5);
+        let reach = self.sight.bvh.size() * OCCLUSION_REACH;
+        let from = point + normal * (self.sight.bvh.size() * 1e-5);
         let (side, across) = normal.any_orthonormal_pair();
         let start = [hash::unit(pixel, 0), hash::unit(pixel, 1)];
         let mut open = 0.0;
@@ -309,7 +291,7 @@ impl Scene<'_> {
         if width == 0.0 {
             return 0.0;
         }
-        let corners = self.bvh.corners(hit.slot).map(|p| self.view.project(p));
+        let corners = self.sight.bvh.corners(hit.slot).map(|p| self.view.project(p));
         let [Some(a), Some(b), Some(c)] = corners else { return 0.0 };
         let size = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs().sqrt();
         let nearest =

@@ -111,7 +111,7 @@ impl<'a> Model<'a> {
 
     fn values(&self, level: &Mesh) -> Result<[Option<f64>; MEASURES.len()], Box<dyn Error>> {
         let mut values = [None; MEASURES.len()];
-        [values[L1], values[L2], values[SILHOUETTE]] = self.images.difference(level)?;
+        [values[L1], values[L2], values[SILHOUETTE]] = self.images.difference(level);
         values[SLIVER] = Some(ShapeReport::new(level).sliver_mean);
         values[VOLUME] = self.volume.and_then(|whole| volume(level).map(|v| v / whole));
         values[CHANGE] = values[VOLUME].map(|ratio| (1.0 - ratio).abs());
