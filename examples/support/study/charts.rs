@@ -91,9 +91,21 @@ fn span(numbers: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     (low <= high).then_some(if high > 1.02 * low { low..high } else { 0.98 * low..1.02 * high })
 }
 
+/// 1, 2 and 5 of every decade in a range; of a long one the decades alone.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let of = |leads: &[f64]| -> Vec<f64> {
+        let all = decades.clone().flat_map(|decade| leads.iter().map(move |lead| lead * 10f64.powi(decade)));
+        all.filter(|tick| *tick >= 0.999 * range.start && *tick <= 1.001 * range.end).collect()
+    };
+    let fine = of(&[1.0, 2.0, 5.0]);
+    if fine.len() > 8 { of(&[1.0]) } else { fine }
+}
+
 fn chart(area: &Area<'_>, rows: &[Row], lines: Lines, measure: usize) -> Drawn {
     let all: Vec<_> = (0..lines.names().len()).map(|line| points(rows, lines, line, measure)).collect();
     let flat = || all.iter().flatten();
+    let log = |range: &Range<f64>| range.clone().log_scale().with_key_points(ticks(range));
     let (Some(x), Some(y)) = (span(flat().map(|p| p.0)), span(flat().map(|p| p.1))) else {
         return Ok(());
     };
@@ -106,7 +118,7 @@ fn chart(area: &Area<'_>, rows: &[Row], lines: Lines, measure: usize) -> Drawn {
     // The coordinates' types differ, so the two kinds of axis do not meet in one variable.
     macro_rules! draw {
         ($y:expr) => {{
-            let mut chart = builder.build_cartesian_2d(x.log_scale(), $y).map_err(shown)?;
+            let mut chart = builder.build_cartesian_2d(log(&x), $y).map_err(shown)?;
             chart
                 .configure_mesh()
                 .light_line_style(TRANSPARENT)
