@@ -73,8 +73,7 @@ fn rows_come_back_from_csv() {
     let rows = rows();
     let text = grid::to_csv(&rows);
     let back = grid::from_csv(&text).expect("own rows are read");
-    assert_eq!(back.len(), rows.len());
-    assert_eq!(grid::to_csv(&back), text);
+    assert!(back == rows);
     let spoiled = text.replacen("hybrid", "hybird", 1);
     assert!(grid::from_csv(&spoiled).is_err_and(|error| error.starts_with("line ")));
     assert!(grid::from_csv(&text.replacen(",1,", ",1,7,", 1)).is_err());

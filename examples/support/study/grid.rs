@@ -120,7 +120,7 @@ pub struct Row {
     pub values: [Option<f64>; MEASURES.len()],
 }
 
-/// All rows, one a line, under a header.
+/// All rows, one a line, under a header; numbers in as many digits as they have.
 pub fn to_csv(rows: &[Row]) -> String {
     let mut out = String::from("model,metric,placement,step,kept,triangles,collapses,seconds");
     MEASURES.iter().for_each(|measure| out += &format!(",{}", measure.name));
@@ -129,8 +129,8 @@ pub fn to_csv(rows: &[Row]) -> String {
         let model = row.model.replace([',', '"', '\n', '\r'], "_");
         let (metric, placement) = (METRICS[row.metric].name, PLACEMENTS[row.placement].1);
         let Row { step, kept, triangles, collapses, seconds, .. } = row;
-        out += &format!("{model},{metric},{placement},{step},{kept},{triangles},{collapses},{seconds:.6}");
-        row.values.iter().for_each(|value| out += &value.map_or(",".into(), |x| format!(",{x:.9e}")));
+        out += &format!("{model},{metric},{placement},{step},{kept},{triangles},{collapses},{seconds}");
+        row.values.iter().for_each(|value| out += &value.map_or(",".into(), |x| format!(",{x:e}")));
         out.push('\n');
     }
     out
