@@ -127,7 +127,9 @@ pub fn fisher_csv(all: &[Correlations]) -> String {
 
 /// Everything, as the tables of Southern's appendix B. Bold: significant.
 pub fn markdown(rows: &[Row], comparisons: &[Comparison], correlations: &[Correlations]) -> String {
-    let mut out = String::from("# Tables\n\nBold: p < 0.05. Distances in percent of the model's diagonal.\n");
+    let mut out = String::from("# Tables\n\n");
+    out += "Bold: p < 0.05. Numbers in brackets: the groups that a mean is told apart from, at p < 0.05 by Scheffe's test.\n";
+    out += "K_L1 and K_L2 in grey levels, K_sil in pixels a view, K_metro and K_max in percent of the model's diagonal.\n";
     out += "\n## Means\n";
     for (measure, about) in MEASURES.iter().enumerate() {
         grid_table(&mut out, rows, about.symbol, |chosen| mean_of(chosen, measure));
@@ -146,6 +148,9 @@ pub fn markdown(rows: &[Row], comparisons: &[Comparison], correlations: &[Correl
                 wilks.f,
                 chance(Some(wilks.p)),
             );
+        }
+        for layout in 0..Layout::ALL.len() {
+            summary_table(&mut out, comparison, layout);
         }
         for (layout, kind) in Layout::ALL.iter().enumerate() {
             for (measure, layouts) in MEASURES.iter().zip(&comparison.variances) {
@@ -173,6 +178,25 @@ fn grid_table(out: &mut String, rows: &[Row], title: &str, value: impl Fn(&[&Row
         let places = (0..PLACEMENTS.len()).map(Some).chain([None]);
         let cells: Vec<String> = places.map(|place| figure(value(&select(rows, metric, place)))).collect();
         *out += &format!("| {name} | {} |\n", cells.join(" | "));
+    }
+}
+
+/// Groups down, measures across: means, and the numbers of the groups that each is told apart from.
+fn summary_table(out: &mut String, comparison: &Comparison, layout: usize) {
+    let symbols: Vec<&str> = MEASURES.iter().map(|measure| measure.symbol).collect();
+    let kind = Layout::ALL[layout].name();
+    *out += &format!("\n| {kind} | {} |\n|---|{}\n", symbols.join(" | "), "--:|".repeat(symbols.len()));
+    for (group, name) in comparison.groups.iter().enumerate() {
+        let cell = |measure: usize| {
+            let Some(found) = &comparison.variances[measure][layout] else { return "-".into() };
+            let apart = |other: &usize| found.scheffe(group, *other).is_some_and(|p| p < SIGNIFICANT);
+            let others = (0..comparison.groups.len()).filter(|other| *other != group).filter(apart);
+            let numbers: Vec<String> = others.map(|other| (other + 1).to_string()).collect();
+            let mean = figure(Some(found.means[group]));
+            if numbers.is_empty() { mean } else { format!("{mean} ({})", numbers.join(" ")) }
+        };
+        let cells: Vec<String> = (0..MEASURES.len()).map(cell).collect();
+        *out += &format!("| {} {name} | {} |\n", group + 1, cells.join(" | "));
     }
 }
 
