@@ -159,13 +159,17 @@ fn made_up() -> Vec<Row> {
 fn blocks_see_what_models_hide() {
     let found = comparisons(&made_up());
     let metrics = found.iter().find(|comparison| comparison.name == "metrics").expect("metrics are compared");
-    let [one_way, blocked] = &metrics.variances[L1];
+    let [one_way, blocked, ratios] = &metrics.variances[L1];
     let (one_way, blocked) = (one_way.as_ref().expect("values vary"), blocked.as_ref().expect("values vary"));
     assert!(one_way.p > 0.99 && blocked.p < 1e-20, "{} {}", one_way.p, blocked.p);
     assert!(blocked.scheffe(0, 1).is_some_and(|p| p < 1e-6));
     assert!(blocked.scheffe(1, 2).is_some_and(|p| p > 0.05));
+    // Half more of a hundred is a smaller ratio than of one; by ratio the mean is the geometric one.
+    assert!(ratios.as_ref().is_some_and(|ratios| ratios.p < 1e-6));
+    let geometric = metrics.mean(L1, 2, 0).expect("values are positive");
+    assert!(geometric > 20.0 && geometric < 0.5 * one_way.means[0], "{geometric}");
     // A measure that nobody took compares nothing, and leaves the others alone.
-    assert_eq!(metrics.variances[CHANGE], [None, None]);
+    assert_eq!(metrics.variances[CHANGE], [None, None, None]);
     assert_eq!(one_way.counts, vec![2 * 4 * 9; METRICS.len()]);
 }
 

@@ -2,8 +2,9 @@
 //!
 //! Southern compares metrics with one another (his experiment 1), then placements (experiment 2), then measures
 //! (experiment 3). The first two are made here twice: with the ways he paired (his table 4.1), and over the whole grid.
-//! Each is laid out one way, as his, and in blocks: levels of the same model at the same step are compared with one
-//! another, which takes the models' own differences out of what counts as chance.
+//! Each is laid out one way, as his; in blocks, where levels of the same model at the same step are compared with one
+//! another, which takes the models' own differences out of what counts as chance; and in blocks of logarithms, where
+//! they are compared by ratio, since an error that is twice another's on a fine level is so on a coarse one too.
 
 use std::collections::BTreeMap;
 
@@ -18,15 +19,18 @@ use super::statistics::{Variance, Wilks, correlation_p, fisher, pearson, spearma
 pub enum Layout {
     OneWay,
     Blocked,
+    /// Blocks of logarithms; only blocks without a zero.
+    Ratios,
 }
 
 impl Layout {
-    pub const ALL: [Self; 2] = [Self::OneWay, Self::Blocked];
+    pub const ALL: [Self; 3] = [Self::OneWay, Self::Blocked, Self::Ratios];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::OneWay => "one-way",
             Self::Blocked => "blocked",
+            Self::Ratios => "blocked-ratios",
         }
     }
 }
@@ -37,11 +41,19 @@ pub struct Comparison {
     pub title: &'static str,
     pub groups: Vec<String>,
     /// Of each measure ([`MEASURES`]), for each [`Layout`]; `None` where there is too little to say anything.
-    pub variances: Vec<[Option<Variance>; 2]>,
+    pub variances: Vec<[Option<Variance>; Layout::ALL.len()]>,
     /// Southern's six measures at once, or as many of them as vary.
     pub wilks: Option<Wilks>,
     /// The measures that [`wilks`](Self::wilks) is of.
     pub wilks_of: Vec<usize>,
+}
+
+impl Comparison {
+    /// Mean of a group: of ratios the geometric one.
+    pub fn mean(&self, measure: usize, layout: usize, group: usize) -> Option<f64> {
+        let mean = *self.variances.get(measure)?.get(layout)?.as_ref()?.means.get(group)?;
+        Some(if Layout::ALL[layout] == Layout::Ratios { mean.exp() } else { mean })
+    }
 }
 
 /// Which group a row belongs to (if any), and what else its block is told by besides model and step.
@@ -112,7 +124,11 @@ fn compare(
             let groups: Vec<Vec<f64>> = (0..count).map(column).collect();
             let whole =
                 blocks.values().filter_map(|block| block.iter().map(value).collect::<Option<Vec<_>>>());
-            [Variance::one_way(&groups), Variance::blocked(&whole.flatten().collect::<Vec<_>>(), count)]
+            let whole: Vec<f64> = whole.flatten().collect();
+            let positive = whole.chunks(count).filter(|block| block.iter().all(|&x| x > 0.0));
+            let logarithms: Vec<f64> = positive.flatten().map(|x| x.ln()).collect();
+            let blocked = |blocks: &[f64]| Variance::blocked(blocks, count);
+            [Variance::one_way(&groups), blocked(&whole), blocked(&logarithms)]
         })
         .collect();
     let whole = |of: &[usize]| -> Vec<Vec<f64>> {

@@ -17,6 +17,9 @@ use super::grid::{
 };
 use super::images::Images;
 
+/// Runs of which the fastest tells the time.
+const REPEATS: usize = 3;
+
 /// What to measure with.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -100,13 +103,22 @@ impl<'a> Model<'a> {
 
     fn simplify(&self, name: &str, place: Placement) -> Result<(CollapseSequence, Clock), Box<dyn Error>> {
         let metric = metric::by_name(name).ok_or_else(|| format!("no metric is named {name}"))?;
+        let last = self.asked(self.options.steps.saturating_sub(1));
         // The order of collapses alone is wanted, and travel is the measure of error that costs least.
         let mut simplifier = Simplifier::new()
             .metric(metric)
             .placement(place)
             .error_measure(ErrorMeasure::Travel)
-            .target(Target::Triangles(self.asked(self.options.steps.saturating_sub(1))));
-        Ok(Clock::run(&mut simplifier, self.mesh)?)
+            .target(Target::Triangles(last));
+        // Whatever else the machine does only makes a run slower.
+        let mut fastest = Clock::run(&mut simplifier, self.mesh)?;
+        for _ in 1..REPEATS {
+            let again = Clock::run(&mut simplifier, self.mesh)?;
+            if again.1.total() < fastest.1.total() {
+                fastest = again;
+            }
+        }
+        Ok(fastest)
     }
 
     fn values(&self, level: &Mesh) -> Result<[Option<f64>; MEASURES.len()], Box<dyn Error>> {
@@ -147,11 +159,15 @@ impl Clock {
         Ok((sequence, Self { readings }))
     }
 
+    fn total(&self) -> f64 {
+        self.readings.last().map_or(0.0, |reading| reading.1)
+    }
+
     /// Between two readings, in proportion to the triangles.
     fn at(&self, triangles: usize) -> f64 {
         let after = self.readings.partition_point(|reading| reading.0 > triangles);
         let Some(&(low, late)) = self.readings.get(after) else {
-            return self.readings.last().map_or(0.0, |reading| reading.1);
+            return self.total();
         };
         let Some(&(high, early)) = after.checked_sub(1).and_then(|before| self.readings.get(before)) else {
             return 0.0;

@@ -70,25 +70,17 @@ pub fn variance_csv(comparisons: &[Comparison]) -> String {
 pub fn scheffe_csv(comparisons: &[Comparison]) -> String {
     let mut out = String::from("comparison,layout,measure,a,b,levels_a,levels_b,mean_a,mean_b,p\n");
     for comparison in comparisons {
-        for (measure, layouts) in MEASURES.iter().zip(&comparison.variances) {
-            for (layout, found) in Layout::ALL.iter().zip(layouts) {
+        for (measure, layouts) in comparison.variances.iter().enumerate() {
+            for (layout, found) in layouts.iter().enumerate() {
                 let Some(found) = found else { continue };
                 let groups = &comparison.groups;
+                let mean = |group: usize| csv(comparison.mean(measure, layout, group));
+                let what = [comparison.name, Layout::ALL[layout].name(), MEASURES[measure].name].join(",");
                 for a in 0..groups.len() {
                     for b in a + 1..groups.len() {
-                        out += &format!(
-                            "{},{},{},{},{},{},{},{},{},{}\n",
-                            comparison.name,
-                            layout.name(),
-                            measure.name,
-                            groups[a],
-                            groups[b],
-                            found.counts[a],
-                            found.counts[b],
-                            csv(Some(found.means[a])),
-                            csv(Some(found.means[b])),
-                            csv(found.scheffe(a, b)),
-                        );
+                        let (names, counts) = ([&groups[a], &groups[b]], [found.counts[a], found.counts[b]]);
+                        out += &format!("{what},{},{},{},{}", names[0], names[1], counts[0], counts[1]);
+                        out += &format!(",{},{},{}\n", mean(a), mean(b), csv(found.scheffe(a, b)));
                     }
                 }
             }
@@ -152,16 +144,9 @@ pub fn markdown(rows: &[Row], comparisons: &[Comparison], correlations: &[Correl
         for layout in 0..Layout::ALL.len() {
             summary_table(&mut out, comparison, layout);
         }
-        for (layout, kind) in Layout::ALL.iter().enumerate() {
-            for (measure, layouts) in MEASURES.iter().zip(&comparison.variances) {
-                if let Some(found) = &layouts[layout] {
-                    scheffe_table(
-                        &mut out,
-                        &format!("{}, {}", measure.symbol, kind.name()),
-                        comparison,
-                        found,
-                    );
-                }
+        for (measure, layouts) in MEASURES.iter().zip(&comparison.variances) {
+            if let Some(found) = &layouts[0] {
+                scheffe_table(&mut out, measure.symbol, comparison, found);
             }
         }
     }
@@ -192,7 +177,7 @@ fn summary_table(out: &mut String, comparison: &Comparison, layout: usize) {
             let apart = |other: &usize| found.scheffe(group, *other).is_some_and(|p| p < SIGNIFICANT);
             let others = (0..comparison.groups.len()).filter(|other| *other != group).filter(apart);
             let numbers: Vec<String> = others.map(|other| (other + 1).to_string()).collect();
-            let mean = figure(Some(found.means[group]));
+            let mean = figure(comparison.mean(measure, layout, group));
             if numbers.is_empty() { mean } else { format!("{mean} ({})", numbers.join(" ")) }
         };
         let cells: Vec<String> = (0..MEASURES.len()).map(cell).collect();
@@ -200,7 +185,7 @@ fn summary_table(out: &mut String, comparison: &Comparison, layout: usize) {
     }
 }
 
-/// Means in the first row, chances of pairs below, as Southern's tables B.1 to B.12.
+/// One way: means in the first row, chances of pairs below, as Southern's tables B.1 to B.12.
 fn scheffe_table(out: &mut String, title: &str, comparison: &Comparison, found: &Variance) {
     let groups = &comparison.groups;
     *out += &format!("\n| {title} | {} |\n|---|{}\n", groups.join(" | "), "--:|".repeat(groups.len()));
