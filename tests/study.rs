@@ -138,6 +138,7 @@ fn made_up() -> Vec<Row> {
                     let (model, kept) = (model.to_owned(), 1.0 - 0.1 * step as f64);
                     let row = Row {
                         model,
+                        diagonal: 1.0,
                         metric,
                         placement,
                         step,
@@ -203,6 +204,8 @@ fn correlations_are_found() {
     for matrix in &found {
         let contest = &matrix.contests()[0];
         assert_eq!(contest.image, L1);
+        // Models of the same size: the unit is no matter.
+        assert!(contest.in_units.is_none_or(|r| (r - contest.distance).abs() < 1e-12));
         assert!((contest.volume + 1.0).abs() < 1e-9 && contest.distance.abs() < 0.2, "{}", matrix.name);
         assert_eq!((matrix.of(L1, CHANGE), matrix.chance(L1, CHANGE)), (None, None));
     }

@@ -19,7 +19,7 @@ use super::statistics::{Variance, Wilks, correlation_p, fisher, pearson, spearma
 pub enum Layout {
     OneWay,
     Blocked,
-    /// Blocks of logarithms; only blocks without a zero.
+    /// Blocks of logarithms; only blocks where every group has something to take one of (`Measure::floor`).
     Ratios,
 }
 
@@ -125,7 +125,8 @@ fn compare(
             let whole =
                 blocks.values().filter_map(|block| block.iter().map(value).collect::<Option<Vec<_>>>());
             let whole: Vec<f64> = whole.flatten().collect();
-            let positive = whole.chunks(count).filter(|block| block.iter().all(|&x| x > 0.0));
+            let positive =
+                whole.chunks(count).filter(|block| block.iter().all(|&x| x > MEASURES[measure].floor));
             let logarithms: Vec<f64> = positive.flatten().map(|x| x.ln()).collect();
             let blocked = |blocks: &[f64]| Variance::blocked(blocks, count);
             [Variance::one_way(&groups), blocked(&whole), blocked(&logarithms)]
@@ -144,6 +145,9 @@ fn compare(
     Comparison { name, title, groups, variances, wilks, wilks_of }
 }
 
+/// The measures from pictures, first of all measures.
+const IMAGES: [usize; 3] = [L1, L2, SILHOUETTE];
+
 /// A matrix of correlations between all measures.
 pub struct Correlations {
     pub name: &'static str,
@@ -152,6 +156,8 @@ pub struct Correlations {
     pub count: usize,
     /// Row after row of the matrix.
     pub values: Vec<Option<f64>>,
+    /// Of K_L1, K_L2 and K_sil with K_metro in the models' own units, which a model's size is part of.
+    pub in_units: [Option<f64>; 3],
     /// Whether each value comes from one sample of `count` pairs, so that its significance can be told.
     pub one_sample: bool,
 }
@@ -161,6 +167,8 @@ pub struct Contest {
     pub image: usize,
     pub volume: f64,
     pub distance: f64,
+    /// The distance in object units.
+    pub in_units: Option<f64>,
     /// Fisher's deviate of the difference of both sizes, and its chance.
     pub fisher: Option<(f64, f64)>,
 }
@@ -181,9 +189,9 @@ impl Correlations {
             let (volume, distance) = (self.of(image, VOLUME)?, self.of(image, METRO)?);
             let fisher =
                 if self.one_sample { fisher(volume.abs(), distance.abs(), self.count) } else { None };
-            Some(Contest { image, volume, distance, fisher })
+            Some(Contest { image, volume, distance, in_units: self.in_units[image], fisher })
         };
-        [L1, L2, SILHOUETTE].into_iter().filter_map(contest).collect()
+        IMAGES.into_iter().filter_map(contest).collect()
     }
 }
 
@@ -207,14 +215,18 @@ pub fn correlations(rows: &[Row]) -> Vec<Correlations> {
 type Coefficient = fn(&[f64], &[f64]) -> Option<f64>;
 
 fn matrix(name: &'static str, title: &'static str, rows: &[&Row], of: Coefficient) -> Correlations {
-    let columns = columns(rows);
-    let count = columns.first().map_or(0, Vec::len);
+    let rows = whole(rows);
+    let column = |m: usize| rows.iter().filter_map(|row| row.values[m]).collect::<Vec<_>>();
+    let columns: Vec<Vec<f64>> = (0..MEASURES.len()).map(column).collect();
+    let units: Vec<f64> =
+        rows.iter().filter_map(|row| row.values[METRO].map(|x| x * row.diagonal / 100.0)).collect();
     let pair = |at: usize| {
         let (a, b) = (at / MEASURES.len(), at % MEASURES.len());
         of(&columns[a], &columns[b])
     };
     let values = (0..MEASURES.len() * MEASURES.len()).map(pair).collect();
-    Correlations { name, title, count, values, one_sample: true }
+    let in_units = IMAGES.map(|image| of(&columns[image], &units));
+    Correlations { name, title, count: rows.len(), values, in_units, one_sample: true }
 }
 
 /// The mean of every model's own correlation by rank.
@@ -231,15 +243,14 @@ fn within_models(rows: &[&Row]) -> Correlations {
         title: "mean of every model's own correlation by rank",
         count: own.iter().map(|matrix| matrix.count).sum(),
         values: (0..MEASURES.len() * MEASURES.len()).map(mean).collect(),
+        in_units: [None; 3],
         one_sample: false,
     }
 }
 
-/// One column a measure, of the rows that have all measures that any row has.
-fn columns(rows: &[&Row]) -> Vec<Vec<f64>> {
-    let taken: Vec<bool> =
-        (0..MEASURES.len()).map(|m| rows.iter().any(|row| row.values[m].is_some())).collect();
-    let whole: Vec<&&Row> =
-        rows.iter().filter(|row| (0..MEASURES.len()).all(|m| !taken[m] || row.values[m].is_some())).collect();
-    (0..MEASURES.len()).map(|m| whole.iter().filter_map(|row| row.values[m]).collect()).collect()
+/// The rows that have all measures that any row has.
+fn whole<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
+    let taken: Vec<usize> =
+        (0..MEASURES.len()).filter(|&m| rows.iter().any(|row| row.values[m].is_some())).collect();
+    rows.iter().copied().filter(|row| taken.iter().all(|&m| row.values[m].is_some())).collect()
 }

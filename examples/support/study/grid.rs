@@ -51,22 +51,27 @@ pub struct Measure {
     pub symbol: &'static str,
     /// What a chart says of it.
     pub title: &'static str,
+    /// At or below this a value is nothing, or the rounding of positions, and has no ratio to others.
+    pub floor: f64,
 }
 
-const fn measure(name: &'static str, symbol: &'static str, title: &'static str) -> Measure {
-    Measure { name, symbol, title }
+const fn measure(name: &'static str, symbol: &'static str, title: &'static str, floor: f64) -> Measure {
+    Measure { name, symbol, title, floor }
 }
+
+/// Single precision, in percent of the diagonal.
+const ROUNDING: f64 = 1e-5;
 
 /// Southern's six in the order of his tables, then those added.
 pub const MEASURES: [Measure; 8] = [
-    measure("l1", "K_L1", "K_L1: image difference"),
-    measure("l2", "K_L2", "K_L2: image difference"),
-    measure("silhouette", "K_sil", "K_sil: silhouette"),
-    measure("sliver", "K_sliver", "K_sliver: triangle shape"),
-    measure("volume", "K_vol", "K_vol: volume / model's"),
-    measure("metro_mean", "K_metro", "K_metro: mean distance, %"),
-    measure("metro_max", "K_max", "K_max: largest distance, %"),
-    measure("volume_change", "|1 - K_vol|", "|1 - K_vol|"),
+    measure("l1", "K_L1", "K_L1: image difference", 0.0),
+    measure("l2", "K_L2", "K_L2: image difference", 0.0),
+    measure("silhouette", "K_sil", "K_sil: silhouette", 0.0),
+    measure("sliver", "K_sliver", "K_sliver: triangle shape", 0.0),
+    measure("volume", "K_vol", "K_vol: volume / model's", 0.0),
+    measure("metro_mean", "K_metro", "K_metro: mean distance, %", ROUNDING),
+    measure("metro_max", "K_max", "K_max: largest distance, %", ROUNDING),
+    measure("volume_change", "|1 - K_vol|", "|1 - K_vol|", 0.0),
 ];
 pub const L1: usize = 0;
 pub const L2: usize = 1;
@@ -102,6 +107,8 @@ impl Schedule {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     pub model: String,
+    /// Of the model's box, object units.
+    pub diagonal: f64,
     /// Index into [`METRICS`].
     pub metric: usize,
     /// Index into [`PLACEMENTS`].
@@ -122,14 +129,16 @@ pub struct Row {
 
 /// All rows, one a line, under a header; numbers in as many digits as they have.
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut out = String::from("model,metric,placement,step,kept,triangles,collapses,seconds");
+    let mut out = String::from("model,diagonal,metric,placement,step,kept,triangles,collapses,seconds");
     MEASURES.iter().for_each(|measure| out += &format!(",{}", measure.name));
     out.push('\n');
     for row in rows {
         let model = row.model.replace([',', '"', '\n', '\r'], "_");
         let (metric, placement) = (METRICS[row.metric].name, PLACEMENTS[row.placement].1);
-        let Row { step, kept, triangles, collapses, seconds, .. } = row;
-        out += &format!("{model},{metric},{placement},{step},{kept},{triangles},{collapses},{seconds}");
+        let Row { diagonal, step, kept, triangles, collapses, seconds, .. } = row;
+        out += &format!(
+            "{model},{diagonal},{metric},{placement},{step},{kept},{triangles},{collapses},{seconds}"
+        );
         row.values.iter().for_each(|value| out += &value.map_or(",".into(), |x| format!(",{x:e}")));
         out.push('\n');
     }
@@ -149,22 +158,23 @@ pub fn from_csv(text: &str) -> Result<Vec<Row>, String> {
 
 fn read_row(line: &str) -> Option<Row> {
     let cells: Vec<&str> = line.split(',').collect();
-    if cells.len() != 8 + MEASURES.len() {
+    if cells.len() != 9 + MEASURES.len() {
         return None;
     }
     let mut values = [None; MEASURES.len()];
-    for (value, cell) in values.iter_mut().zip(&cells[8..]).filter(|(_, cell)| !cell.is_empty()) {
+    for (value, cell) in values.iter_mut().zip(&cells[9..]).filter(|(_, cell)| !cell.is_empty()) {
         *value = Some(cell.parse::<f64>().ok().filter(|x| x.is_finite())?);
     }
     Some(Row {
         model: cells[0].to_owned(),
-        metric: METRICS.iter().position(|metric| metric.name == cells[1])?,
-        placement: PLACEMENTS.iter().position(|placement| placement.1 == cells[2])?,
-        step: cells[3].parse().ok()?,
-        kept: cells[4].parse().ok()?,
-        triangles: cells[5].parse().ok()?,
-        collapses: cells[6].parse().ok()?,
-        seconds: cells[7].parse().ok()?,
+        diagonal: cells[1].parse().ok()?,
+        metric: METRICS.iter().position(|metric| metric.name == cells[2])?,
+        placement: PLACEMENTS.iter().position(|placement| placement.1 == cells[3])?,
+        step: cells[4].parse().ok()?,
+        kept: cells[5].parse().ok()?,
+        triangles: cells[6].parse().ok()?,
+        collapses: cells[7].parse().ok()?,
+        seconds: cells[8].parse().ok()?,
         values,
     })
 }

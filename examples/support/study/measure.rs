@@ -62,9 +62,10 @@ pub fn rows(
                     _ if triangles > asked => [None; MEASURES.len()],
                     _ => model.values(&sequence.extract(&mesh, collapses))?,
                 };
-                let (model, seconds) = (name.to_owned(), clock.at(triangles));
+                let (model, diagonal, seconds) = (name.to_owned(), mesh.diagonal(), clock.at(triangles));
                 rows.push(Row {
                     model,
+                    diagonal,
                     metric,
                     placement,
                     step,

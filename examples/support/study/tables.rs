@@ -1,6 +1,6 @@
 //! What the study finds as CSV, for programs, and as Markdown, for people.
 
-use super::analysis::{Comparison, Correlations, Layout};
+use super::analysis::{Comparison, Contest, Correlations, Layout};
 use super::grid::{MEASURES, METRICS, PLACEMENTS, Row};
 use super::statistics::{Variance, mean};
 
@@ -105,13 +105,14 @@ pub fn correlations_csv(all: &[Correlations]) -> String {
 
 /// Volume against distance as a sign of what is seen.
 pub fn fisher_csv(all: &[Correlations]) -> String {
-    let mut out = String::from("data,image,levels,r_volume,r_distance,z,p\n");
+    let mut out = String::from("data,image,levels,r_volume,r_distance,z,p,r_distance_in_units\n");
     for matrix in all {
         for contest in matrix.contests() {
             let (z, p) = contest.fisher.unzip();
             let (image, volume, distance) = (MEASURES[contest.image].name, contest.volume, contest.distance);
             let (name, count) = (matrix.name, matrix.count);
-            out += &format!("{name},{image},{count},{volume:.6},{distance:.6},{},{}\n", csv(z), csv(p));
+            out += &format!("{name},{image},{count},{volume:.6},{distance:.6}");
+            out += &format!(",{},{},{}\n", csv(z), csv(p), csv(contest.in_units));
         }
     }
     out
@@ -216,13 +217,16 @@ fn correlation_table(out: &mut String, matrix: &Correlations) {
         *out += &format!("| {name} | {} |\n", cells.join(" | "));
     }
     for contest in matrix.contests() {
-        let verdict =
-            contest.fisher.map_or(String::new(), |(z, p)| format!("; z = {z:.2}, p = {}", chance(Some(p))));
-        let image = MEASURES[contest.image].symbol;
-        *out += &format!(
-            "\n{image}: r = {:.3} with K_vol, {:.3} with K_metro{verdict}\n",
-            contest.volume, contest.distance
-        );
+        let Contest { image, volume, distance, in_units, fisher } = contest;
+        let image = MEASURES[image].symbol;
+        *out += &format!("\n{image}: r = {volume:.3} with K_vol, {distance:.3} with K_metro");
+        if let Some((z, p)) = fisher {
+            *out += &format!(" (z = {z:.2}, p = {})", chance(Some(p)));
+        }
+        if let Some(r) = in_units {
+            *out += &format!(", {r:.3} with K_metro in object units");
+        }
+        out.push('\n');
     }
 }
 
