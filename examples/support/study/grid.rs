@@ -71,7 +71,7 @@ pub const MEASURES: [Measure; 8] = [
     measure("volume", "K_vol", "K_vol: volume / model's", 0.0),
     measure("metro_mean", "K_metro", "K_metro: mean distance, %", ROUNDING),
     measure("metro_max", "K_max", "K_max: largest distance, %", ROUNDING),
-    measure("volume_change", "|1 - K_vol|", "|1 - K_vol|", 0.0),
+    measure("volume_change", "abs(1 - K_vol)", "abs(1 - K_vol)", 0.0),
 ];
 pub const L1: usize = 0;
 pub const L2: usize = 1;
