@@ -140,7 +140,7 @@ fn chart(area: &Area<'_>, rows: &[Row], lines: Lines, measure: usize) -> Drawn {
     if measure == SLIVER {
         draw!(y)
     } else {
-        draw!(y.log_scale())
+        draw!(log(&y))
     }
     Ok(())
 }
