@@ -5,9 +5,10 @@
 
 use crate::mesh::NONE;
 
+use super::classify::kind;
 use super::metric::Pair;
 use super::patch::Patch;
-use super::surface::{Surface, kind};
+use super::surface::Surface;
 
 /// A collapse that an oracle is asked about.
 #[derive(Debug, Clone, Copy)]

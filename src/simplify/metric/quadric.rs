@@ -12,7 +12,8 @@ use glam::Vec3;
 
 use super::solve::{Symmetric, nearest_minimum};
 use super::{Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::surface::{Surface, kind};
+use crate::simplify::classify::kind;
+use crate::simplify::surface::Surface;
 
 /// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,0 +1,81 @@
+//! What a collapse makes stale, cheaper or awake: the part of the driver behind each collapse.
+
+use crate::mesh::NONE;
+
+use super::super::candidates::{Best, NO_BEST};
+use super::super::metric::{Dependence, ErrorMetric, Pair};
+use super::super::options::Order;
+use super::{Engine, state};
+
+impl<M: ErrorMetric> Engine<'_, M> {
+    /// Brings the candidates around a merged point up to date, or marks them stale.
+    pub(super) fn update_around(&mut self, pair: Pair, rank: u32) {
+        let mut ring = std::mem::take(&mut self.ring);
+        ring.clear();
+        self.surface.for_neighbours(pair.kept, |n| ring.push(n));
+        if self.tiled {
+            self.touched[pair.kept as usize] = rank;
+            for &n in &ring {
+                self.touched[n as usize] = self.touched[n as usize].max(rank);
+            }
+        }
+        if self.order == Order::Batched {
+            self.state[pair.kept as usize] |= state::TOUCHED;
+            ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
+        } else {
+            let dependence = self.metric.dependence();
+            let memoryless = dependence == Dependence::Triangles;
+            let kept_counts = dependence == Dependence::Both || self.is_symmetric();
+            if !self.verified.is_empty() {
+                ring.iter().for_each(|&n| self.verified[n as usize] = NONE);
+                self.verified[pair.kept as usize] = NONE;
+            }
+            for &n in &ring {
+                let other = self.best[n as usize].other;
+                if memoryless || other == pair.lost || kept_counts && other == pair.kept {
+                    self.state[n as usize] |= state::STALE;
+                }
+                if self.state[n as usize] & state::ASLEEP != 0 {
+                    self.state[n as usize] = self.state[n as usize] & !state::ASLEEP | state::STALE;
+                    self.queue.insert(n, 0.0);
+                }
+            }
+            self.state[pair.kept as usize] &= !state::ASLEEP;
+            if memoryless {
+                // All its pairs are offered below.
+                self.state[pair.kept as usize] &= !state::STALE;
+                self.best[pair.kept as usize] = NO_BEST;
+                self.queue.remove(pair.kept);
+                ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            } else {
+                self.state[pair.kept as usize] |= state::STALE;
+                // Costs of pairs that were there before only grew; those with new neighbours are new.
+                ring.clear();
+                let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
+                ring.extend(others.filter(|&n| !self.patch.has_third(n)));
+                ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            }
+            ring.clear();
+            self.partners.for_each(pair.kept, |n| ring.push(n));
+            ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            if self.best[pair.kept as usize].other != NONE {
+                self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
+            }
+        }
+        self.ring = ring;
+    }
+
+    /// Looks at a pair in both directions and moves either point up where this is its cheapest.
+    #[inline]
+    fn offer(&mut self, a: u32, b: u32) {
+        let directions = if self.is_symmetric() { [(a.min(b), a.max(b)); 2] } else { [(a, b), (b, a)] };
+        for (point, other) in directions.into_iter().take(if self.is_symmetric() { 1 } else { 2 }) {
+            let cost = self.judge().cost(point, other);
+            let best = &mut self.best[point as usize];
+            if cost < best.cost || best.other == NONE {
+                *best = Best { cost, other };
+                self.queue.insert(point, cost);
+            }
+        }
+    }
+}
