@@ -53,14 +53,33 @@ impl<M: ErrorMetric> Judge<'_, M> {
         }
     }
 
-    /// Who is merged into whom, where, and what it costs.
-    pub fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
+    /// What the candidates of a point cost that merge it with each of `others`, into `costs` (of the same length).
+    #[inline]
+    pub fn costs(&self, point: u32, others: &[u32], costs: &mut [f32]) {
+        if self.placement == Placement::Endpoint {
+            self.metric.costs_at_kept(self.surface, point, others, costs);
+            costs.iter_mut().for_each(|cost| *cost = if *cost > 0.0 { *cost } else { 0.0 });
+        } else {
+            for (&other, cost) in others.iter().zip(costs) {
+                *cost = self.evaluate(point, other).2;
+            }
+        }
+    }
+
+    /// Who is merged into whom, and where.
+    #[inline]
+    pub fn place(&self, point: u32, other: u32) -> (Pair, Vec3) {
+        if self.placement == Placement::Endpoint {
+            return (Pair { lost: point, kept: other }, self.surface.at(other));
+        }
+        let (pair, x, _) = self.evaluate(point, other);
+        (pair, x)
+    }
+
+    /// Who is merged into whom, where, and what it costs, if not at an endpoint.
+    fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
         let pair = Pair { lost: point, kept: other };
         let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
-        if self.placement == Placement::Endpoint {
-            let x = self.surface.at(other);
-            return (pair, x, clean(self.metric.cost_at_kept(self.surface, pair)));
-        }
         let (pair, bound) = self.orient(pair);
         let kept = self.surface.at(pair.kept);
         if bound {

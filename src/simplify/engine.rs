@@ -44,6 +44,8 @@ const VERIFIED_WEIGHT: f32 = 4.0;
 /// Costs within this factor of the estimate are taken for it.
 const VERIFIED_SLACK: f32 = 1.2;
 
+/// Candidates priced at a time.
+const HANDFUL: usize = 8;
 /// Steps between two calls of the progress callback.
 const PROGRESS_STEPS: usize = 4096;
 
@@ -291,7 +293,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     }
 
     /// The cheapest candidate of a point, whether legal or not.
-    #[inline]
     fn candidate(&self, point: u32) -> Best {
         let mut best = NO_BEST;
         self.for_candidates(point, |option| {
@@ -302,18 +303,32 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         best
     }
 
-    /// Calls `visit` with every candidate of a point.
+    /// Calls `visit` with every candidate of a point. They are priced a handful at a time, which metrics make use of.
     #[inline]
     fn for_candidates(&self, point: u32, mut visit: impl FnMut(Best)) {
         let symmetric = self.is_symmetric();
+        let mut others = [0; HANDFUL];
+        let mut count = 0;
+        let mut price = |others: &[u32]| {
+            let mut costs = [0.0; HANDFUL];
+            let costs = &mut costs[..others.len()];
+            self.judge().costs(point, others, costs);
+            others.iter().zip(costs).for_each(|(&other, &mut cost)| visit(Best { cost, other }));
+        };
         let mut look = |other: u32| {
             if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
                 return;
             }
-            visit(Best { cost: self.judge().cost(point, other), other });
+            others[count] = other;
+            count += 1;
+            if count == HANDFUL {
+                price(&others);
+                count = 0;
+            }
         };
         self.surface.for_neighbours(point, &mut look);
         self.partners.for_each(point, look);
+        price(&others[..count]);
     }
 
     /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
@@ -367,7 +382,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// The pair and position of a candidate where every oracle allows it; its patch is then in `self.patch`.
     #[inline]
     fn legal(&mut self, point: u32, other: u32) -> Option<Candidate> {
-        let (pair, x, _) = self.judge().evaluate(point, other);
+        let (pair, x) = self.judge().place(point, other);
         let (x, object) = self.judge().snap(pair, x);
         self.patch.gather(&self.surface, pair, x);
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };

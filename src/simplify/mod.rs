@@ -8,6 +8,7 @@
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
+//! | `lanes.rs` | four vectors at once |
 //! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
@@ -17,6 +18,7 @@ mod candidates;
 mod classify;
 mod engine;
 mod errors;
+mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
 mod options;

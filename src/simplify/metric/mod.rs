@@ -110,6 +110,14 @@ pub trait ErrorMetric: Send + Sync {
         self.cost(surface, pair, surface.position(pair.kept))
     }
 
+    /// The costs of merging `lost` into each of `kept` where those lie, into `costs` (of the same length): the same
+    /// numbers as [`cost_at_kept`](ErrorMetric::cost_at_kept), which is asked one by one unless there is a quicker way.
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        for (&kept, cost) in kept.iter().zip(costs) {
+            *cost = self.cost_at_kept(surface, Pair { lost, kept });
+        }
+    }
+
     /// The position of least cost and its cost; `None` where the metric has no opinion (the midpoint is taken).
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)>;
 
@@ -168,6 +176,9 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     }
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
         (**self).cost_at_kept(surface, pair)
+    }
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        (**self).costs_at_kept(surface, lost, kept, costs);
     }
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         (**self).optimum(surface, pair)
