@@ -44,8 +44,8 @@ const VERIFIED_WEIGHT: f32 = 4.0;
 /// Costs within this factor of the estimate are taken for it.
 const VERIFIED_SLACK: f32 = 1.2;
 
-/// Candidates priced at a time.
-const HANDFUL: usize = 8;
+/// Up to so many candidates of a point are priced together.
+const FEW: usize = 16;
 /// Steps between two calls of the progress callback.
 const PROGRESS_STEPS: usize = 4096;
 
@@ -88,6 +88,8 @@ pub(super) struct Engine<'a, M> {
     limits: Limits,
     surface: Surface,
     partners: Partners,
+    /// Whether the candidates of a point are all its neighbours and no others.
+    looks_at_all: bool,
     recorder: Recorder,
     queue: ClassQueue,
     /// Per step its class of cost, no less than those of the steps it needs.
@@ -110,6 +112,7 @@ pub(super) struct Engine<'a, M> {
     dead: Vec<u32>,
     ring: Vec<u32>,
     options: Vec<Best>,
+    costs: Vec<f32>,
 }
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
@@ -127,6 +130,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             oracles,
             limits,
             input_vertices: recorder.live_vertices(),
+            looks_at_all: order == Order::Linear && placement == Placement::Endpoint && partners.is_empty(),
             partners,
             recorder,
             // With a size asked for, a band is finished before the target is looked at: so it is a narrow one.
@@ -144,6 +148,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             dead: Vec::new(),
             ring: Vec::new(),
             options: Vec::new(),
+            costs: Vec::new(),
             surface,
         }
     }
@@ -292,43 +297,49 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Judge { metric: self.metric, surface: &self.surface, placement: self.placement }
     }
 
-    /// The cheapest candidate of a point, whether legal or not.
+    /// The cheapest candidate of a point, whether legal or not; of equal ones that of the lowest number.
     fn candidate(&self, point: u32) -> Best {
-        let mut best = NO_BEST;
-        self.for_candidates(point, |option| {
-            if option.cost < best.cost || option.cost == best.cost && option.other < best.other {
-                best = option;
-            }
-        });
-        best
+        // Costs are not negative, so they compare like their bits: one number for both, and no branch on which is less.
+        let key = |option: Best| u64::from(option.cost.to_bits()) << 32 | u64::from(option.other);
+        let mut least = key(NO_BEST);
+        self.for_candidates(point, |option| least = least.min(key(option)));
+        Best { cost: f32::from_bits((least >> 32) as u32), other: least as u32 }
     }
 
-    /// Calls `visit` with every candidate of a point. They are priced a handful at a time, which metrics make use of.
+    /// Calls `visit` with every candidate of a point. They are priced together, which metrics make use of.
     #[inline]
     fn for_candidates(&self, point: u32, mut visit: impl FnMut(Best)) {
-        let symmetric = self.is_symmetric();
-        let mut others = [0; HANDFUL];
+        let mut others = [0; FEW];
         let mut count = 0;
-        let mut price = |others: &[u32]| {
-            let mut costs = [0.0; HANDFUL];
-            let costs = &mut costs[..others.len()];
+        if self.looks_at_all {
+            count = self.surface.few_neighbours(point, &mut others);
+        } else {
+            self.for_others(point, |other| {
+                others[count % FEW] = other;
+                count += 1;
+            });
+        }
+        if let Some(others) = others.get(..count) {
+            let mut costs = [0.0; FEW];
+            let costs = &mut costs[..count];
             self.judge().costs(point, others, costs);
             others.iter().zip(costs).for_each(|(&other, &mut cost)| visit(Best { cost, other }));
-        };
+        } else {
+            self.for_others(point, |other| visit(Best { cost: self.judge().cost(point, other), other }));
+        }
+    }
+
+    /// Calls `visit` with every point that a point may be merged with.
+    #[inline]
+    fn for_others(&self, point: u32, mut visit: impl FnMut(u32)) {
+        let symmetric = self.is_symmetric();
         let mut look = |other: u32| {
-            if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
-                return;
-            }
-            others[count] = other;
-            count += 1;
-            if count == HANDFUL {
-                price(&others);
-                count = 0;
+            if !(symmetric && other < point) && self.state[other as usize] & state::TOUCHED == 0 {
+                visit(other);
             }
         };
         self.surface.for_neighbours(point, &mut look);
         self.partners.for_each(point, look);
-        price(&others[..count]);
     }
 
     /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.

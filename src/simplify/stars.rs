@@ -55,19 +55,19 @@ impl Stars {
     pub fn remove(&mut self, point: u32, triangle: u32) {
         let Span { start, len, .. } = self.spans[point as usize];
         let star = &mut self.pool[start..start + len as usize];
+        // A triangle is there once.
+        let is_it = |entry: &u32| entry >> 2 == triangle;
+        let mut from = 0;
         if star.len() > 64 {
-            // A hub: search and move in wide steps. A triangle is there once.
-            let is_it = |entry: &u32| entry >> 2 == triangle;
+            // A hub: in wide steps.
             let mut chunks = star.chunks(32);
             let chunk = chunks.position(|chunk| chunk.iter().fold(false, |any, entry| any | is_it(entry)));
-            let start = 32 * chunk.unwrap_or(0);
-            if let Some(at) = star[start..].iter().position(is_it) {
-                star.copy_within(start + at + 1.., start + at);
-                self.spans[point as usize].len -= 1;
-            }
-            return;
+            from = 32 * chunk.unwrap_or(0);
         }
-        self.retain(point, |other| other != triangle);
+        if let Some(at) = star[from..].iter().position(is_it) {
+            star.copy_within(from + at + 1.., from + at);
+            self.spans[point as usize].len -= 1;
+        }
     }
 
     #[inline]

@@ -257,13 +257,32 @@ impl Surface {
     /// Calls `visit` with every neighbour of a point at least once (some twice where the star is irregular).
     #[inline]
     pub fn for_neighbours(&self, point: u32, mut visit: impl FnMut(u32)) {
-        let irregular = self.kinds[point as usize] & kind::IRREGULAR != 0;
-        for corner in self.star(point) {
-            visit(corner.others[0]);
-            if irregular {
-                visit(corner.others[1]);
+        if self.kinds[point as usize] & kind::IRREGULAR == 0 {
+            for &entry in self.stars.of(point) {
+                visit(self.corner(entry).others[0]);
             }
+        } else {
+            self.star(point).for_each(|corner| corner.others.into_iter().for_each(&mut visit));
         }
+    }
+
+    /// The neighbours of a point where they are few: as [`for_neighbours`](Surface::for_neighbours) lists them. Their
+    /// number is more than fits where they are many.
+    #[inline]
+    pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {
+        let star = self.stars.of(point);
+        if self.kinds[point as usize] & kind::IRREGULAR != 0 || star.len() > N {
+            let mut count = 0;
+            self.for_neighbours(point, |other| {
+                few[count % N] = other;
+                count += 1;
+            });
+            return count;
+        }
+        for (&entry, few) in star.iter().zip(few) {
+            *few = self.corner(entry).others[0];
+        }
+        star.len()
     }
 
     #[inline]
@@ -313,18 +332,20 @@ impl Surface {
                 moved.push(entry);
             }
         }
-        if dead.len() <= 2 {
-            for &triangle in dead.iter() {
-                for point in self.triangles[triangle as usize] {
-                    if point != lost {
-                        self.stars.remove(point, triangle);
-                        self.live_points -= usize::from(self.stars.of(point).is_empty());
-                    }
-                }
-                self.triangles[triangle as usize] = [NONE; 3];
+        match dead[..] {
+            [] => {}
+            [only] => {
+                self.stars.remove(kept, only);
+                self.detach_third(only, [lost, kept]);
+                self.live_points -= usize::from(self.valence(kept) == 0);
             }
-        } else {
-            self.remove_many(lost, dead);
+            [first, second] => {
+                self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                self.detach_third(first, [lost, kept]);
+                self.detach_third(second, [lost, kept]);
+                self.live_points -= usize::from(self.valence(kept) == 0);
+            }
+            _ => self.remove_many(lost, dead),
         }
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
@@ -336,6 +357,15 @@ impl Surface {
         self.stars.append(kept, &moved);
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
+    }
+
+    /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.
+    #[inline]
+    fn detach_third(&mut self, triangle: u32, [u, v]: [u32; 2]) {
+        let [a, b, c] = std::mem::replace(&mut self.triangles[triangle as usize], [NONE; 3]);
+        let third = a ^ b ^ c ^ u ^ v;
+        self.stars.remove(third, triangle);
+        self.live_points -= usize::from(self.valence(third) == 0);
     }
 
     /// Takes many triangles around `lost` out of the other points' stars, each star in one pass.

@@ -46,18 +46,18 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.state[pair.kept as usize] &= !state::STALE;
                 self.best[pair.kept as usize] = NO_BEST;
                 self.queue.remove(pair.kept);
-                ring.iter().for_each(|&n| self.offer(pair.kept, n));
+                self.offer(pair.kept, &ring);
             } else {
                 self.state[pair.kept as usize] |= state::STALE;
                 // Costs of pairs that were there before only grew; those with new neighbours are new.
                 ring.clear();
                 let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
                 ring.extend(others.filter(|&n| !self.patch.has_third(n)));
-                ring.iter().for_each(|&n| self.offer(pair.kept, n));
+                self.offer(pair.kept, &ring);
             }
             ring.clear();
             self.partners.for_each(pair.kept, |n| ring.push(n));
-            ring.iter().for_each(|&n| self.offer(pair.kept, n));
+            self.offer(pair.kept, &ring);
             if self.best[pair.kept as usize].other != NONE {
                 self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
             }
@@ -65,17 +65,32 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.ring = ring;
     }
 
-    /// Looks at a pair in both directions and moves either point up where this is its cheapest.
-    #[inline]
-    fn offer(&mut self, a: u32, b: u32) {
-        let directions = if self.is_symmetric() { [(a.min(b), a.max(b)); 2] } else { [(a, b), (b, a)] };
-        for (point, other) in directions.into_iter().take(if self.is_symmetric() { 1 } else { 2 }) {
-            let cost = self.judge().cost(point, other);
-            let best = &mut self.best[point as usize];
-            if cost < best.cost || best.other == NONE {
-                *best = Best { cost, other };
-                self.queue.insert(point, cost);
+    /// Looks at the pairs of a point with others, in both directions, and moves points up where one is their cheapest.
+    fn offer(&mut self, point: u32, others: &[u32]) {
+        if self.is_symmetric() {
+            for &other in others {
+                let (low, high) = (point.min(other), point.max(other));
+                self.offer_one(low, high, self.judge().cost(low, high));
             }
+            return;
+        }
+        let mut costs = std::mem::take(&mut self.costs);
+        costs.clear();
+        costs.resize(others.len(), 0.0);
+        self.judge().costs(point, others, &mut costs);
+        for (&other, &cost) in others.iter().zip(&costs) {
+            self.offer_one(point, other, cost);
+            self.offer_one(other, point, self.judge().cost(other, point));
+        }
+        self.costs = costs;
+    }
+
+    #[inline]
+    fn offer_one(&mut self, point: u32, other: u32, cost: f32) {
+        let best = &mut self.best[point as usize];
+        if cost < best.cost || best.other == NONE {
+            *best = Best { cost, other };
+            self.queue.insert(point, cost);
         }
     }
 }

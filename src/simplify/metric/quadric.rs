@@ -144,7 +144,8 @@ impl ErrorMetric for Quadric {
         let at = surface.at(lost);
         let scale = if self.verified { 1.0 } else { quadric.evenness() };
         for (kept, costs) in kept.chunks(4).zip(costs.chunks_mut(4)) {
-            let offsets = Lanes::gather(|i| surface.at(kept[i.min(kept.len() - 1)]) - at);
+            let last = kept.len() - 1;
+            let offsets = Lanes::gather(|i| surface.at(kept[i.min(last)]) - at);
             let four = (quadric.at_each(&offsets) * scale).to_array();
             costs.copy_from_slice(&four[..costs.len()]);
         }
