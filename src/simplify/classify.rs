@@ -3,6 +3,8 @@
 //! A point is classified by one walk over its star, once at the start and again where parts were joined or a feature
 //! moved on. An edge is classified when it is asked about, from the side with fewer triangles.
 
+use crate::mesh::NONE;
+
 use super::surface::{Corner, Surface};
 
 /// What a point is, as bits.
@@ -57,20 +59,32 @@ impl Surface {
         if !(3..=16).contains(&count) {
             return false;
         }
-        let mut ring = [[0u32; 2]; 16];
-        for (slot, corner) in ring.iter_mut().zip(self.star(point)) {
-            *slot = corner.others;
+        if count <= 8 { self.is_ring_of::<8>(point, count) } else { self.is_ring_of::<16>(point, count) }
+    }
+
+    /// The walk around it: from each corner's last point to the corner that has it as its next. All corners are
+    /// compared at once, since a search would end where the processor does not expect it.
+    #[inline]
+    fn is_ring_of<const N: usize>(&self, point: u32, count: usize) -> bool {
+        let (mut next, mut last) = ([NONE; N], [0; N]);
+        for ((next, last), corner) in next.iter_mut().zip(&mut last).zip(self.star(point)) {
+            [*next, *last] = corner.others;
         }
-        let ring = &ring[..count];
-        let (first, mut at) = (ring[0][0], ring[0][1]);
+        let (first, mut at) = (next[0], last[0]);
+        let mut is_ring = true;
         for _ in 1..count {
-            match ring.iter().find(|r| r[0] == at) {
-                Some(next) if at != first => at = next[1],
-                _ => return false,
+            is_ring &= at != first;
+            let (mut to, mut found) = (0, 0);
+            for (&next, &last) in next.iter().zip(&last) {
+                let is_it = u32::from(next == at);
+                to |= last & is_it.wrapping_neg();
+                found += is_it;
             }
+            is_ring &= found == 1;
+            at = to;
         }
         // Back at the start after as many steps as triangles: each was passed once.
-        at == first
+        is_ring & (at == first)
     }
 
     /// Finds what a point is by one walk over its star, with marks: O(valence).

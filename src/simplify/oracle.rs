@@ -7,7 +7,7 @@ use crate::mesh::NONE;
 
 use super::classify::kind;
 use super::metric::Pair;
-use super::patch::Patch;
+use super::patch::{Facet, Patch};
 use super::surface::Surface;
 
 /// A collapse that an oracle is asked about.
@@ -254,17 +254,24 @@ impl Oracle for LinkCondition {
             return false;
         }
         let near = Neighbourhood::new(surface, kept);
+        let (mut meets, mut between_thirds) = (false, false);
         for facet in collapse.patch.facets_of_lost() {
             // Thirds are neighbours of both ends, and no other point may be.
             let [a, b] = facet.others;
             let (third_a, third_b) = (collapse.patch.has_third(a), collapse.patch.has_third(b));
-            if !third_a && near.contains(a) || !third_b && near.contains(b) {
-                return false;
-            }
-            // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
-            if third_a && third_b && has_triangle(surface, kept, a, b) {
-                return false;
-            }
+            meets |= (!third_a & near.contains(a)) | (!third_b & near.contains(b));
+            between_thirds |= third_a & third_b;
+        }
+        if meets {
+            return false;
+        }
+        // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
+        let coincides = |facet: &Facet| {
+            let [a, b] = facet.others;
+            collapse.patch.has_third(a) && collapse.patch.has_third(b) && has_triangle(surface, kept, a, b)
+        };
+        if between_thirds && collapse.patch.facets_of_lost().iter().any(coincides) {
+            return false;
         }
         // Where nothing of the star survives, every edge left behind must hang on another triangle.
         !collapse.patch.facets_of_lost().is_empty()

@@ -140,7 +140,7 @@ impl Patch {
     #[inline]
     pub(crate) fn has_third(&self, point: u32) -> bool {
         match self.thirds[..] {
-            [a, b] => a == point || b == point,
+            [a, b] => (a == point) | (b == point),
             _ if self.sorted_thirds.is_empty() => self.thirds.contains(&point),
             _ => self.sorted_thirds.binary_search(&point).is_ok(),
         }

@@ -244,13 +244,12 @@ impl Surface {
 
     #[inline]
     fn corner(&self, entry: u32) -> Corner {
+        // By table: which corner it is cannot be guessed, so a branch on it would mostly be mispredicted.
+        const NEXT: [u8; 4] = [1, 2, 0, 0];
+        const LAST: [u8; 4] = [2, 0, 1, 0];
         let (triangle, slot) = (entry >> 2, (entry & 3) as usize);
-        let t = self.triangles[triangle as usize];
-        let others = match slot {
-            0 => [t[1], t[2]],
-            1 => [t[2], t[0]],
-            _ => [t[0], t[1]],
-        };
+        let t = &self.triangles[triangle as usize];
+        let others = [t[NEXT[slot] as usize], t[LAST[slot] as usize]];
         Corner { triangle, slot: slot as u8, others }
     }
 
@@ -318,20 +317,24 @@ impl Surface {
     /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish.
     /// O(valence).
     pub(crate) fn collapse(&mut self, lost: u32, kept: u32, position: Vec3, dead: &mut Vec<u32>) {
-        dead.clear();
         let mut moved = std::mem::take(&mut self.scratch.moved);
-        moved.clear();
         // A point without triangles does not count already.
-        self.live_points -= usize::from(!self.stars.of(lost).is_empty());
-        for &entry in self.stars.of(lost) {
-            let corner = self.corner(entry);
-            let [a, b] = corner.others;
-            if a == kept || b == kept {
-                dead.push(corner.triangle);
-            } else {
-                moved.push(entry);
-            }
+        self.live_points -= usize::from(self.valence(lost) != 0);
+        // Each triangle is written to both lists and counted in one: which it is cannot be guessed.
+        let star = self.stars.of(lost);
+        moved.resize(star.len(), 0);
+        dead.resize(star.len(), 0);
+        let (mut moves, mut dies) = (0, 0);
+        for &entry in star {
+            let Corner { triangle, others: [a, b], .. } = self.corner(entry);
+            moved[moves] = entry;
+            dead[dies] = triangle;
+            let dying = (a == kept) | (b == kept);
+            moves += usize::from(!dying);
+            dies += usize::from(dying);
         }
+        moved.truncate(moves);
+        dead.truncate(dies);
         match dead[..] {
             [] => {}
             [only] => {

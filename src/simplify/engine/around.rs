@@ -32,11 +32,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
             for &n in &ring {
                 let other = self.best[n as usize].other;
-                if memoryless || other == pair.lost || kept_counts && other == pair.kept {
-                    self.state[n as usize] |= state::STALE;
-                }
-                if self.state[n as usize] & state::ASLEEP != 0 {
-                    self.state[n as usize] = self.state[n as usize] & !state::ASLEEP | state::STALE;
+                let state = &mut self.state[n as usize];
+                let stale = memoryless | (other == pair.lost) | (kept_counts & (other == pair.kept));
+                *state |= state::STALE * u8::from(stale);
+                if *state & state::ASLEEP != 0 {
+                    *state = *state & !state::ASLEEP | state::STALE;
                     self.queue.insert(n, 0.0);
                 }
             }
