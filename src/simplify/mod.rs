@@ -3,7 +3,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
-//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
+//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
 //! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
