@@ -14,13 +14,19 @@
 //! A stale point keeps its old place. Where costs only grow, as with accumulated quadrics, that place is a lower bound
 //! and the order is exactly the greedy one; for memoryless metrics a cost that fell is noticed late.
 
+mod around;
+mod finish;
+
 use std::ops::ControlFlow;
 
 use glam::Vec3;
 
 use crate::mesh::{Mesh, NONE, Topology};
 
-use super::metric::{Batch, Dependence, ErrorMetric, Pair};
+use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
+use super::classify::kind;
+use super::errors::Errors;
+use super::metric::{Batch, ErrorMetric, Pair};
 use super::options::{ErrorMeasure, Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
@@ -28,31 +34,20 @@ use super::patch::Patch;
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
-use super::reorder;
-use super::report::{Refusal, SimplifyReport, StopReason};
+use super::report::StopReason;
 use super::sequence::CollapseSequence;
-use super::surface::{Surface, kind};
-use super::travel::Travel;
-use super::witness::Witnesses;
+use super::surface::Surface;
 
+/// How much a measured deviation weighs against an estimated one. Found by trial: the more, the better the mean (2: by
+/// 15 %, 4: by 22 %, 8: by 24 % at a tenth of the triangles), the worse the maximum, and the slower.
+const VERIFIED_WEIGHT: f32 = 4.0;
+/// Costs within this factor of the estimate are taken for it.
+const VERIFIED_SLACK: f32 = 1.2;
+
+/// Up to so many candidates of a point are priced together.
+const FEW: usize = 16;
 /// Steps between two calls of the progress callback.
 const PROGRESS_STEPS: usize = 4096;
-
-/// A point's cheapest candidate.
-#[derive(Debug, Clone, Copy)]
-struct Best {
-    cost: f32,
-    other: u32,
-}
-
-/// A candidate that every oracle allows.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    pair: Pair,
-    x: Vec3,
-    /// Where `x` is in object units; `None` where the kept point stays where it is.
-    object: Option<[f32; 3]>,
-}
 
 /// What became of a candidate.
 enum Attempt {
@@ -61,14 +56,6 @@ enum Attempt {
     /// It costs more than it seemed to, and should wait for that.
     Later(f32),
 }
-
-/// How much a measured deviation weighs against an estimated one. Found by trial: the more, the better the mean (2: by
-/// 15 %, 4: by 22 %, 8: by 24 % at a tenth of the triangles), the worse the maximum, and the slower.
-const VERIFIED_WEIGHT: f32 = 4.0;
-/// Costs within this factor of the estimate are taken for it.
-const VERIFIED_SLACK: f32 = 1.2;
-
-const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
 
 /// What a point waits for.
 mod state {
@@ -101,6 +88,8 @@ pub(super) struct Engine<'a, M> {
     limits: Limits,
     surface: Surface,
     partners: Partners,
+    /// Whether the candidates of a point are all its neighbours and no others.
+    looks_at_all: bool,
     recorder: Recorder,
     queue: ClassQueue,
     /// Per step its class of cost, no less than those of the steps it needs.
@@ -115,7 +104,6 @@ pub(super) struct Engine<'a, M> {
     state: Vec<u8>,
     /// The partner for which each point's cost was verified; empty unless costs are.
     verified: Vec<u32>,
-    error: f32,
     refusals: Vec<u64>,
     /// Candidates refused because they would exceed the error asked for.
     too_far: u64,
@@ -124,6 +112,7 @@ pub(super) struct Engine<'a, M> {
     dead: Vec<u32>,
     ring: Vec<u32>,
     options: Vec<Best>,
+    costs: Vec<f32>,
 }
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
@@ -141,6 +130,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             oracles,
             limits,
             input_vertices: recorder.live_vertices(),
+            looks_at_all: order == Order::Linear && placement == Placement::Endpoint && partners.is_empty(),
             partners,
             recorder,
             // With a size asked for, a band is finished before the target is looked at: so it is a narrow one.
@@ -151,7 +141,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             best: vec![NO_BEST; points],
             state: vec![0; points],
             verified: if measure == ErrorMeasure::Verified { vec![NONE; points] } else { Vec::new() },
-            error: 0.0,
             refusals: vec![0; oracles.len()],
             too_far: 0,
             errors: Errors::new(&surface, measure),
@@ -159,6 +148,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             dead: Vec::new(),
             ring: Vec::new(),
             options: Vec::new(),
+            costs: Vec::new(),
             surface,
         }
     }
@@ -303,106 +293,53 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.placement != Placement::Endpoint
     }
 
-    /// The cheapest candidate of a point, whether legal or not.
-    #[inline]
-    fn candidate(&self, point: u32) -> Best {
-        let mut best = NO_BEST;
-        self.for_candidates(point, |option| {
-            if option.cost < best.cost || option.cost == best.cost && option.other < best.other {
-                best = option;
-            }
-        });
-        best
+    fn judge(&self) -> Judge<'_, M> {
+        Judge { metric: self.metric, surface: &self.surface, placement: self.placement }
     }
 
-    /// Calls `visit` with every candidate of a point.
+    /// The cheapest candidate of a point, whether legal or not; of equal ones that of the lowest number.
+    fn candidate(&self, point: u32) -> Best {
+        // Costs are not negative, so they compare like their bits: one number for both, and no branch on which is less.
+        let key = |option: Best| u64::from(option.cost.to_bits()) << 32 | u64::from(option.other);
+        let mut least = key(NO_BEST);
+        self.for_candidates(point, |option| least = least.min(key(option)));
+        Best { cost: f32::from_bits((least >> 32) as u32), other: least as u32 }
+    }
+
+    /// Calls `visit` with every candidate of a point. They are priced together, which metrics make use of.
     #[inline]
     fn for_candidates(&self, point: u32, mut visit: impl FnMut(Best)) {
+        let mut others = [0; FEW];
+        let mut count = 0;
+        if self.looks_at_all {
+            count = self.surface.few_neighbours(point, &mut others);
+        } else {
+            self.for_others(point, |other| {
+                others[count % FEW] = other;
+                count += 1;
+            });
+        }
+        if let Some(others) = others.get(..count) {
+            let mut costs = [0.0; FEW];
+            let costs = &mut costs[..count];
+            self.judge().costs(point, others, costs);
+            others.iter().zip(costs).for_each(|(&other, &mut cost)| visit(Best { cost, other }));
+        } else {
+            self.for_others(point, |other| visit(Best { cost: self.judge().cost(point, other), other }));
+        }
+    }
+
+    /// Calls `visit` with every point that a point may be merged with.
+    #[inline]
+    fn for_others(&self, point: u32, mut visit: impl FnMut(u32)) {
         let symmetric = self.is_symmetric();
         let mut look = |other: u32| {
-            if symmetric && other < point || self.state[other as usize] & state::TOUCHED != 0 {
-                return;
+            if !(symmetric && other < point) && self.state[other as usize] & state::TOUCHED == 0 {
+                visit(other);
             }
-            visit(Best { cost: self.cost(point, other), other });
         };
         self.surface.for_neighbours(point, &mut look);
         self.partners.for_each(point, look);
-    }
-
-    /// What a candidate costs.
-    #[inline]
-    fn cost(&self, point: u32, other: u32) -> f32 {
-        if self.placement == Placement::Endpoint {
-            let cost = self.metric.cost_at_kept(&self.surface, Pair { lost: point, kept: other });
-            if cost > 0.0 { cost } else { 0.0 }
-        } else {
-            self.evaluate(point, other).2
-        }
-    }
-
-    /// Who is merged into whom, where, and what it costs.
-    fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
-        let pair = Pair { lost: point, kept: other };
-        let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
-        if self.placement == Placement::Endpoint {
-            let x = self.surface.at(other);
-            return (pair, x, clean(self.metric.cost_at_kept(&self.surface, pair)));
-        }
-        let (pair, bound) = self.orient(pair);
-        let kept = self.surface.at(pair.kept);
-        if bound {
-            return (pair, kept, clean(self.metric.cost(&self.surface, pair, kept.into())));
-        }
-        let lost = self.surface.at(pair.lost);
-        let middle = 0.5 * (lost + kept);
-        let cost = |pair: Pair, x: Vec3| clean(self.metric.cost(&self.surface, pair, x.into()));
-        match self.placement {
-            Placement::Optimal => {
-                if let Some((x, c)) = self.metric.optimum(&self.surface, pair) {
-                    let x = Vec3::from(x);
-                    if x.is_finite() {
-                        return (pair, x, clean(c));
-                    }
-                }
-                (pair, middle, cost(pair, middle))
-            }
-            Placement::Subset => {
-                let swapped = Pair { lost: pair.kept, kept: pair.lost };
-                let options = [(pair, kept), (swapped, lost), (pair, middle)];
-                let mut best = (pair, kept, f32::INFINITY);
-                for (pair, x) in options {
-                    let c = cost(pair, x);
-                    if c < best.2 {
-                        best = (pair, x, c);
-                    }
-                }
-                best
-            }
-            _ => (pair, middle, cost(pair, middle)),
-        }
-    }
-
-    /// Puts the freer point first; says whether the other one must stay where it is.
-    fn orient(&self, pair: Pair) -> (Pair, bool) {
-        let held = |p: u32| {
-            let bits = self.surface.kind(p);
-            let rank = if bits & kind::LOCKED != 0 {
-                3
-            } else if bits & kind::FEATURE == 0 {
-                0
-            } else if bits & kind::CURVE != 0 {
-                1
-            } else {
-                2
-            };
-            (rank, bits & kind::FEATURE)
-        };
-        let (lost, kept) = (held(pair.lost), held(pair.kept));
-        if lost.0 > kept.0 {
-            (Pair { lost: pair.kept, kept: pair.lost }, true)
-        } else {
-            (pair, lost != kept || lost.0 > 1)
-        }
     }
 
     /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
@@ -456,8 +393,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// The pair and position of a candidate where every oracle allows it; its patch is then in `self.patch`.
     #[inline]
     fn legal(&mut self, point: u32, other: u32) -> Option<Candidate> {
-        let (pair, x, _) = self.evaluate(point, other);
-        let (x, object) = self.snap(pair, x);
+        let (pair, x) = self.judge().place(point, other);
+        let (x, object) = self.judge().snap(pair, x);
         self.patch.gather(&self.surface, pair, x);
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
@@ -502,16 +439,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Some((VERIFIED_WEIGHT * rate * added).max(0.0))
     }
 
-    /// The position as it will be stored (object units, single precision) and back in the inner frame. A kept point
-    /// that does not move keeps its exact position and its vertices.
-    fn snap(&self, pair: Pair, x: Vec3) -> (Vec3, Option<[f32; 3]>) {
-        if x == self.surface.at(pair.kept) {
-            return (x, None);
-        }
-        let object = self.surface.frame().object(x.into());
-        (Vec3::from(self.surface.frame().inner(object)), Some(object))
-    }
-
     /// Does a collapse whose patch is in `self.patch`.
     fn commit(&mut self, candidate: Candidate) {
         let Candidate { pair, x, object } = candidate;
@@ -530,7 +457,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);
-        self.error = self.error.max(error);
         let error = self.surface.frame().object_length(error);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
         // Ranks matter from the first tile on; without tiles they ascend by themselves.
@@ -546,168 +472,5 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.queue.remove(pair.lost);
         self.partners.merge(pair.lost, pair.kept);
         self.update_around(pair, rank);
-    }
-
-    /// Brings the candidates around a merged point up to date, or marks them stale.
-    fn update_around(&mut self, pair: Pair, rank: u32) {
-        let mut ring = std::mem::take(&mut self.ring);
-        ring.clear();
-        self.surface.for_neighbours(pair.kept, |n| ring.push(n));
-        if self.tiled {
-            self.touched[pair.kept as usize] = rank;
-            for &n in &ring {
-                self.touched[n as usize] = self.touched[n as usize].max(rank);
-            }
-        }
-        if self.order == Order::Batched {
-            self.state[pair.kept as usize] |= state::TOUCHED;
-            ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
-        } else {
-            let dependence = self.metric.dependence();
-            let memoryless = dependence == Dependence::Triangles;
-            let kept_counts = dependence == Dependence::Both || self.is_symmetric();
-            if !self.verified.is_empty() {
-                ring.iter().for_each(|&n| self.verified[n as usize] = NONE);
-                self.verified[pair.kept as usize] = NONE;
-            }
-            for &n in &ring {
-                let other = self.best[n as usize].other;
-                if memoryless || other == pair.lost || kept_counts && other == pair.kept {
-                    self.state[n as usize] |= state::STALE;
-                }
-                if self.state[n as usize] & state::ASLEEP != 0 {
-                    self.state[n as usize] = self.state[n as usize] & !state::ASLEEP | state::STALE;
-                    self.queue.insert(n, 0.0);
-                }
-            }
-            self.state[pair.kept as usize] &= !state::ASLEEP;
-            if memoryless {
-                // All its pairs are offered below.
-                self.state[pair.kept as usize] &= !state::STALE;
-                self.best[pair.kept as usize] = NO_BEST;
-                self.queue.remove(pair.kept);
-                ring.iter().for_each(|&n| self.offer(pair.kept, n));
-            } else {
-                self.state[pair.kept as usize] |= state::STALE;
-                // Costs of pairs that were there before only grew; those with new neighbours are new.
-                ring.clear();
-                let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
-                ring.extend(others.filter(|&n| !self.patch.has_third(n)));
-                ring.iter().for_each(|&n| self.offer(pair.kept, n));
-            }
-            ring.clear();
-            self.partners.for_each(pair.kept, |n| ring.push(n));
-            ring.iter().for_each(|&n| self.offer(pair.kept, n));
-            if self.best[pair.kept as usize].other != NONE {
-                self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
-            }
-        }
-        self.ring = ring;
-    }
-
-    /// Looks at a pair in both directions and moves either point up where this is its cheapest.
-    #[inline]
-    fn offer(&mut self, a: u32, b: u32) {
-        let directions = if self.is_symmetric() { [(a.min(b), a.max(b)); 2] } else { [(a, b), (b, a)] };
-        for (point, other) in directions.into_iter().take(if self.is_symmetric() { 1 } else { 2 }) {
-            let cost = self.cost(point, other);
-            let best = &mut self.best[point as usize];
-            if cost < best.cost || best.other == NONE {
-                *best = Best { cost, other };
-                self.queue.insert(point, cost);
-            }
-        }
-    }
-
-    /// Per oracle the candidates of the final mesh that it is the first to refuse.
-    fn standing_refusals(&mut self) -> Vec<u64> {
-        let asked = std::mem::replace(&mut self.refusals, vec![0; self.oracles.len()]);
-        let mut others = Vec::new();
-        for point in 0..self.state.len() as u32 {
-            self.state[point as usize] &= state::GONE;
-            if self.state[point as usize] == 0 {
-                others.clear();
-                self.for_candidates(point, |option| others.push(option.other));
-                others.sort_unstable();
-                others.dedup();
-                for &other in &others {
-                    self.legal(point, other);
-                }
-            }
-        }
-        std::mem::replace(&mut self.refusals, asked)
-    }
-
-    fn finish(mut self, mesh: &Mesh, stop: StopReason) -> CollapseSequence {
-        let standing = if matches!(stop, StopReason::NothingLegal | StopReason::Error) {
-            self.standing_refusals()
-        } else {
-            vec![0; self.oracles.len()]
-        };
-        let counts = self.oracles.iter().zip(self.refusals.iter().zip(&standing));
-        let mut refusals: Vec<Refusal> = counts
-            .map(|(oracle, (&count, &standing))| Refusal {
-                oracle: oracle.name().to_owned(),
-                count,
-                standing,
-            })
-            .collect();
-        if self.limits.error.is_finite() {
-            refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
-        }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
-        let mut sequence = self.recorder.finish(report);
-        if self.tiled {
-            reorder::sort_by_rank(&mut sequence, &self.ranks);
-            reorder::cut(&mut sequence, &self.limits, self.input_vertices);
-        }
-        sequence.fill_report(mesh);
-        sequence
-    }
-}
-
-/// The share of `b` in a blend that lies nearest `x` on the segment from `a` to `b`.
-pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
-    let ab = b - a;
-    let length = ab.length_squared();
-    let share = (x - a).dot(ab) / length;
-    // Not a number where points coincide, and where products overflow far away.
-    if share > 0.0 { share.min(1.0) } else { 0.0 }
-}
-
-/// How the error of a step is found.
-enum Errors {
-    Travel(Travel),
-    Witnesses(Box<Witnesses>),
-}
-
-impl Errors {
-    fn new(surface: &Surface, measure: ErrorMeasure) -> Self {
-        match measure {
-            ErrorMeasure::Travel => Self::Travel(Travel::new(surface)),
-            _ => Self::Witnesses(Box::new(Witnesses::new(surface, measure == ErrorMeasure::Verified))),
-        }
-    }
-
-    fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
-        match self {
-            Self::Travel(travel) => travel.measure(surface, pair, x),
-            Self::Witnesses(witnesses) => witnesses.measure(surface, patch, pair, x),
-        }
-    }
-
-    fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
-        match self {
-            Self::Travel(travel) => travel.merge(surface, pair, x),
-            Self::Witnesses(witnesses) => witnesses.hand_over(surface, patch, pair, x),
-        }
-    }
-
-    /// The integral of squared distance that a collapse adds, each input point standing for its share of the area.
-    fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
-        match self {
-            Self::Travel(_) => None,
-            Self::Witnesses(witnesses) => Some(witnesses.added(surface, patch, pair, x)),
-        }
     }
 }

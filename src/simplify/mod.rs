@@ -3,17 +3,22 @@
 //! | file | idea |
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
-//! | `engine.rs` | the driver; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `patch.rs`: what one collapse would change |
+//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
-//! | `witness.rs` | how far the input lies from the level; `travel.rs`: how far its points have travelled |
+//! | `lanes.rs` | four vectors at once |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod candidates;
+mod classify;
 mod engine;
+mod errors;
+mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
 mod options;
@@ -31,6 +36,7 @@ mod sequence;
 mod sequence_build;
 mod sequence_check;
 mod simplifier;
+mod stars;
 mod surface;
 mod travel;
 mod witness;

@@ -5,9 +5,10 @@
 
 use crate::mesh::NONE;
 
+use super::classify::kind;
 use super::metric::Pair;
-use super::patch::Patch;
-use super::surface::{Surface, kind};
+use super::patch::{Facet, Patch};
+use super::surface::Surface;
 
 /// A collapse that an oracle is asked about.
 #[derive(Debug, Clone, Copy)]
@@ -143,7 +144,13 @@ impl Oracle for Seams {
 }
 
 /// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
+#[inline]
 fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+    let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
+    either & bit == 0 || slides_along_curve(surface, collapse, bit, slide)
+}
+
+fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
     let slides = |pair: Pair| {
         let bits = surface.kind(pair.lost);
         if bits & bit == 0 {
@@ -155,11 +162,9 @@ fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) 
             Some(edge) => slide && bits & kind::CURVE != 0 && edge == bits & kind::FEATURE,
         }
     };
-    let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
-    either & bit == 0
-        || (slides(collapse.pair)
-            && (collapse.keeps_position(surface)
-                || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost })))
+    slides(collapse.pair)
+        && (collapse.keeps_position(surface)
+            || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost }))
 }
 
 /// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
@@ -249,16 +254,24 @@ impl Oracle for LinkCondition {
             return false;
         }
         let near = Neighbourhood::new(surface, kept);
+        let (mut meets, mut between_thirds) = (false, false);
         for facet in collapse.patch.facets_of_lost() {
+            // Thirds are neighbours of both ends, and no other point may be.
             let [a, b] = facet.others;
-            let (near_a, near_b) = (near.contains(a), near.contains(b));
-            if near_a && !collapse.patch.has_third(a) || near_b && !collapse.patch.has_third(b) {
-                return false;
-            }
-            // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
-            if near_a && near_b && has_triangle(surface, kept, a, b) {
-                return false;
-            }
+            let (third_a, third_b) = (collapse.patch.has_third(a), collapse.patch.has_third(b));
+            meets |= (!third_a & near.contains(a)) | (!third_b & near.contains(b));
+            between_thirds |= third_a & third_b;
+        }
+        if meets {
+            return false;
+        }
+        // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
+        let coincides = |facet: &Facet| {
+            let [a, b] = facet.others;
+            collapse.patch.has_third(a) && collapse.patch.has_third(b) && has_triangle(surface, kept, a, b)
+        };
+        if between_thirds && collapse.patch.facets_of_lost().iter().any(coincides) {
+            return false;
         }
         // Where nothing of the star survives, every edge left behind must hang on another triangle.
         !collapse.patch.facets_of_lost().is_empty()
@@ -292,11 +305,7 @@ impl<'a> Neighbourhood<'a> {
     #[inline]
     fn new(surface: &'a Surface, point: u32) -> Self {
         let mut list = [NONE; 16];
-        let mut count = 0;
-        surface.for_neighbours(point, |n| {
-            list[count & 15] = n;
-            count += 1;
-        });
+        let count = surface.few_neighbours(point, &mut list);
         Self { surface, point, list, listed: count <= 16 }
     }
 

@@ -79,6 +79,11 @@ impl Partners {
         result
     }
 
+    /// Whether no point has a partner.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     fn push(&mut self, point: u32, other: u32) {
         let entry = self.entries.len() as u32;
         self.entries.push([other, NONE]);

@@ -139,10 +139,10 @@ impl Patch {
     /// Whether a point is one of [`Patch::thirds`]. O(log thirds).
     #[inline]
     pub(crate) fn has_third(&self, point: u32) -> bool {
-        if self.sorted_thirds.is_empty() {
-            self.thirds.contains(&point)
-        } else {
-            self.sorted_thirds.binary_search(&point).is_ok()
+        match self.thirds[..] {
+            [a, b] => (a == point) | (b == point),
+            _ if self.sorted_thirds.is_empty() => self.thirds.contains(&point),
+            _ => self.sorted_thirds.binary_search(&point).is_ok(),
         }
     }
 

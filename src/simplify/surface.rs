@@ -15,6 +15,9 @@ use glam::Vec3;
 
 use crate::mesh::{Mesh, NONE, Topology};
 
+use super::classify::{Seen, kind};
+use super::stars::Stars;
+
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
 /// that brings the longest side of the mesh's box into [0.5, 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,51 +75,31 @@ pub struct Corner {
     pub others: [u32; 2],
 }
 
-/// What a point is, as bits.
-pub(crate) mod kind {
-    /// On an open border.
-    pub const BORDER: u8 = 1;
-    /// On an edge of three or more triangles, or where several fans meet.
-    pub const NON_MANIFOLD: u8 = 2;
-    /// On an edge across which the wedge changes.
-    pub const SEAM: u8 = 4;
-    /// On an edge between two materials.
-    pub const MATERIAL: u8 = 8;
-    /// Locked by the caller.
-    pub const LOCKED: u8 = 16;
-    /// Exactly two feature edges meet here: it may slide along them.
-    pub const CURVE: u8 = 32;
-    /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
-    pub const IRREGULAR: u8 = 64;
-    /// Any edge that must stay an edge.
-    pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
-}
-
 /// The mesh while it is being simplified. Points, triangles and vertices keep the numbers of the input's
 /// [`Topology`]; removed ones are simply gone from every star.
 #[derive(Debug, Clone)]
 pub struct Surface {
     frame: Frame,
-    positions: Vec<Vec3>,
+    pub(super) positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     /// Current vertex at each corner; empty where every point has one wedge.
-    corner_vertices: Vec<[u32; 3]>,
+    pub(super) corner_vertices: Vec<[u32; 3]>,
     /// Current vertex of each point (its lowest wedge where there are several).
     point_vertex: Vec<u32>,
-    materials: Vec<u32>,
-    kinds: Vec<u8>,
+    pub(super) materials: Vec<u32>,
+    pub(super) kinds: Vec<u8>,
     stars: Stars,
     live: usize,
     live_points: usize,
-    scratch: Scratch,
+    pub(super) scratch: Scratch,
 }
 
 /// Marks and lists that checks and collapses use, so that nothing is allocated once warm.
 #[derive(Debug, Clone, Default)]
-struct Scratch {
-    moved: Vec<u32>,
-    neighbours: Vec<u32>,
-    seen: Vec<Seen>,
+pub(super) struct Scratch {
+    pub(super) moved: Vec<u32>,
+    pub(super) neighbours: Vec<u32>,
+    pub(super) seen: Vec<Seen>,
 }
 
 impl Surface {
@@ -261,26 +244,44 @@ impl Surface {
 
     #[inline]
     fn corner(&self, entry: u32) -> Corner {
+        // By table: which corner it is cannot be guessed, so a branch on it would mostly be mispredicted.
+        const NEXT: [u8; 4] = [1, 2, 0, 0];
+        const LAST: [u8; 4] = [2, 0, 1, 0];
         let (triangle, slot) = (entry >> 2, (entry & 3) as usize);
-        let t = self.triangles[triangle as usize];
-        let others = match slot {
-            0 => [t[1], t[2]],
-            1 => [t[2], t[0]],
-            _ => [t[0], t[1]],
-        };
+        let t = &self.triangles[triangle as usize];
+        let others = [t[NEXT[slot] as usize], t[LAST[slot] as usize]];
         Corner { triangle, slot: slot as u8, others }
     }
 
     /// Calls `visit` with every neighbour of a point at least once (some twice where the star is irregular).
     #[inline]
     pub fn for_neighbours(&self, point: u32, mut visit: impl FnMut(u32)) {
-        let irregular = self.kinds[point as usize] & kind::IRREGULAR != 0;
-        for corner in self.star(point) {
-            visit(corner.others[0]);
-            if irregular {
-                visit(corner.others[1]);
+        if self.kinds[point as usize] & kind::IRREGULAR == 0 {
+            for &entry in self.stars.of(point) {
+                visit(self.corner(entry).others[0]);
             }
+        } else {
+            self.star(point).for_each(|corner| corner.others.into_iter().for_each(&mut visit));
         }
+    }
+
+    /// The neighbours of a point where they are few: as [`for_neighbours`](Surface::for_neighbours) lists them. Their
+    /// number is more than fits where they are many.
+    #[inline]
+    pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {
+        let star = self.stars.of(point);
+        if self.kinds[point as usize] & kind::IRREGULAR != 0 || star.len() > N {
+            let mut count = 0;
+            self.for_neighbours(point, |other| {
+                few[count % N] = other;
+                count += 1;
+            });
+            return count;
+        }
+        for (&entry, few) in star.iter().zip(few) {
+            *few = self.corner(entry).others[0];
+        }
+        star.len()
     }
 
     #[inline]
@@ -313,90 +314,41 @@ impl Surface {
         self.kind(point) & kind::LOCKED != 0
     }
 
-    /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
-    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
-        // From the side with fewer triangles: the other may be a hub.
-        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
-        let mut first: Option<(Corner, [u32; 2])> = None;
-        let mut count = 0;
-        let mut bits = 0;
-        for corner in self.star(u) {
-            let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
-            count += 1;
-            let ends = self.edge_vertices(corner, side);
-            match first {
-                None => first = Some((corner, ends)),
-                Some((other, other_ends)) => {
-                    bits |= if ends != other_ends { kind::SEAM } else { 0 };
-                    let differ = self.material(corner.triangle) != self.material(other.triangle);
-                    bits |= if differ { kind::MATERIAL } else { 0 };
-                }
-            }
-        }
-        match count {
-            0 => None,
-            1 => Some(kind::BORDER),
-            2 => Some(bits),
-            _ => Some(bits | kind::NON_MANIFOLD),
-        }
-    }
-
-    /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
-    /// edge of many triangles the third tells.
-    pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
-        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
-        let mut first: Option<(u32, [u32; 2])> = None;
-        let mut count = 0;
-        for corner in self.star(u) {
-            let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
-            count += 1;
-            let (material, ends) = (self.material(corner.triangle), self.edge_vertices(corner, side));
-            if count > 2 || *first.get_or_insert((material, ends)) != (material, ends) {
-                return true;
-            }
-        }
-        count == 1
-    }
-
-    /// The vertices of `corner`'s point and of its other number `side`.
-    #[inline]
-    fn edge_vertices(&self, corner: Corner, side: usize) -> [u32; 2] {
-        if self.corner_vertices.is_empty() {
-            return [0, 0];
-        }
-        let vertices = self.corner_vertices[corner.triangle as usize];
-        [vertices[corner.slot as usize], vertices[(corner.slot as usize + 1 + side) % 3]]
-    }
-
     /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish.
     /// O(valence).
     pub(crate) fn collapse(&mut self, lost: u32, kept: u32, position: Vec3, dead: &mut Vec<u32>) {
-        dead.clear();
         let mut moved = std::mem::take(&mut self.scratch.moved);
-        moved.clear();
         // A point without triangles does not count already.
-        self.live_points -= usize::from(!self.stars.of(lost).is_empty());
-        for &entry in self.stars.of(lost) {
-            let corner = self.corner(entry);
-            let [a, b] = corner.others;
-            if a == kept || b == kept {
-                dead.push(corner.triangle);
-            } else {
-                moved.push(entry);
-            }
+        self.live_points -= usize::from(self.valence(lost) != 0);
+        // Each triangle is written to both lists and counted in one: which it is cannot be guessed.
+        let star = self.stars.of(lost);
+        moved.resize(star.len(), 0);
+        dead.resize(star.len(), 0);
+        let (mut moves, mut dies) = (0, 0);
+        for &entry in star {
+            let Corner { triangle, others: [a, b], .. } = self.corner(entry);
+            moved[moves] = entry;
+            dead[dies] = triangle;
+            let dying = (a == kept) | (b == kept);
+            moves += usize::from(!dying);
+            dies += usize::from(dying);
         }
-        if dead.len() <= 2 {
-            for &triangle in dead.iter() {
-                for point in self.triangles[triangle as usize] {
-                    if point != lost {
-                        self.stars.remove(point, triangle);
-                        self.live_points -= usize::from(self.stars.of(point).is_empty());
-                    }
-                }
-                self.triangles[triangle as usize] = [NONE; 3];
+        moved.truncate(moves);
+        dead.truncate(dies);
+        match dead[..] {
+            [] => {}
+            [only] => {
+                self.stars.remove(kept, only);
+                self.detach_third(only, [lost, kept]);
+                self.live_points -= usize::from(self.valence(kept) == 0);
             }
-        } else {
-            self.remove_many(lost, dead);
+            [first, second] => {
+                self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                self.detach_third(first, [lost, kept]);
+                self.detach_third(second, [lost, kept]);
+                self.live_points -= usize::from(self.valence(kept) == 0);
+            }
+            _ => self.remove_many(lost, dead),
         }
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
@@ -408,6 +360,15 @@ impl Surface {
         self.stars.append(kept, &moved);
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
+    }
+
+    /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.
+    #[inline]
+    fn detach_third(&mut self, triangle: u32, [u, v]: [u32; 2]) {
+        let [a, b, c] = std::mem::replace(&mut self.triangles[triangle as usize], [NONE; 3]);
+        let third = a ^ b ^ c ^ u ^ v;
+        self.stars.remove(third, triangle);
+        self.live_points -= usize::from(self.valence(third) == 0);
     }
 
     /// Takes many triangles around `lost` out of the other points' stars, each star in one pass.
@@ -437,260 +398,6 @@ impl Surface {
         for &entry in self.stars.of(point) {
             let vertex = &mut self.corner_vertices[(entry >> 2) as usize][(entry & 3) as usize];
             *vertex = map(*vertex);
-        }
-    }
-
-    /// Finds what every point is. O(corners).
-    fn classify(&mut self) {
-        self.scratch.seen = vec![Seen::default(); self.positions.len()];
-        for point in 0..self.positions.len() as u32 {
-            self.classify_point(point);
-        }
-    }
-
-    /// Finds anew what a point is, and each of its neighbours: after two parts were joined there.
-    pub(crate) fn reclassify_around(&mut self, point: u32) {
-        let mut around = std::mem::take(&mut self.scratch.moved);
-        around.clear();
-        around.extend(self.star(point).flat_map(|corner| corner.others));
-        // Each once: a neighbour may be a hub, and share many triangles with this point.
-        around.sort_unstable();
-        around.dedup();
-        self.classify_point(point);
-        for &neighbour in &around {
-            self.classify_point(neighbour);
-        }
-        self.scratch.moved = around;
-    }
-
-    /// Whether the triangles around a point are one closed ring in one direction; only tried for common valences.
-    /// Such a point has no feature edge, unless a seam or material says so.
-    #[inline]
-    fn is_plain_ring(&self, point: u32) -> bool {
-        let count = self.valence(point);
-        if !(3..=16).contains(&count) {
-            return false;
-        }
-        let mut ring = [[0u32; 2]; 16];
-        for (slot, corner) in ring.iter_mut().zip(self.star(point)) {
-            *slot = corner.others;
-        }
-        let ring = &ring[..count];
-        let (first, mut at) = (ring[0][0], ring[0][1]);
-        for _ in 1..count {
-            match ring.iter().find(|r| r[0] == at) {
-                Some(next) if at != first => at = next[1],
-                _ => return false,
-            }
-        }
-        // Back at the start after as many steps as triangles: each was passed once.
-        at == first
-    }
-
-    /// Finds what a point is by one walk over its star, with marks: O(valence).
-    fn classify_point(&mut self, point: u32) {
-        if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
-            self.kinds[point as usize] &= kind::LOCKED;
-            return;
-        }
-        let mut seen = std::mem::take(&mut self.scratch.seen);
-        let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
-        neighbours.clear();
-        for corner in self.star(point) {
-            for side in 0..2 {
-                let n = corner.others[side];
-                let entry = &mut seen[n as usize];
-                if entry.count == 0 {
-                    neighbours.push(n);
-                    entry.first = self.edge_vertices(corner, side);
-                    entry.material = self.material(corner.triangle);
-                } else {
-                    let seam = self.edge_vertices(corner, side) != entry.first;
-                    let border = self.material(corner.triangle) != entry.material;
-                    entry.bits |= if seam { kind::SEAM } else { 0 } | if border { kind::MATERIAL } else { 0 };
-                }
-                entry.count += 1;
-                if side == 0 {
-                    entry.next += 1;
-                    entry.follow = corner.others[1];
-                }
-            }
-        }
-        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED, 0u32);
-        for &n in &neighbours {
-            let entry = &seen[n as usize];
-            let edge = match entry.count {
-                1 => kind::BORDER,
-                2 => entry.bits,
-                _ => entry.bits | kind::NON_MANIFOLD,
-            };
-            bits |= edge | if entry.next == 1 { 0 } else { kind::IRREGULAR };
-            features += u32::from(edge != 0);
-        }
-        if bits & kind::NON_MANIFOLD == 0 {
-            let single = if bits & kind::IRREGULAR == 0 {
-                ring_length(&seen, &neighbours) == neighbours.len()
-            } else {
-                self.fan_length(point) == self.valence(point)
-            };
-            bits |= if single { 0 } else { kind::NON_MANIFOLD };
-            features += if single { 0 } else { 3 };
-        }
-        bits |= if features == 2 { kind::CURVE } else { 0 };
-        self.kinds[point as usize] = bits;
-        for &n in &neighbours {
-            seen[n as usize] = Seen::default();
-        }
-        self.scratch.seen = seen;
-        self.scratch.neighbours = neighbours;
-    }
-
-    /// Triangles around a point that can be reached from the first across shared edges: fewer than its valence where
-    /// several fans meet. O(valence log valence).
-    fn fan_length(&self, point: u32) -> usize {
-        let mut ends: Vec<(u32, u32)> = Vec::with_capacity(2 * self.valence(point));
-        for (i, corner) in self.star(point).enumerate() {
-            ends.extend(corner.others.map(|o| (o, i as u32)));
-        }
-        ends.sort_unstable();
-        let mut parent: Vec<u32> = (0..self.valence(point) as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
-        for pair in ends.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
-            parent[a.max(b) as usize] = a.min(b);
-        }
-        (0..parent.len() as u32).filter(|&i| root(&mut parent, i) == 0).count()
-    }
-}
-
-/// Neighbours on the ring that starts at the first, where each has exactly one follower.
-fn ring_length(seen: &[Seen], neighbours: &[u32]) -> usize {
-    let Some(&first) = neighbours.first() else { return 0 };
-    let (mut at, mut length) = (seen[first as usize].follow, 1);
-    while at != first && length <= neighbours.len() {
-        at = seen[at as usize].follow;
-        length += 1;
-    }
-    length
-}
-
-/// What is known of one neighbour while a star is walked.
-#[derive(Debug, Clone, Copy, Default)]
-struct Seen {
-    count: u32,
-    next: u32,
-    /// The neighbour that comes after this one around the point.
-    follow: u32,
-    first: [u32; 2],
-    material: u32,
-    bits: u8,
-}
-
-/// The corners around every point: a slice of one pool each, moved to the pool's end when it outgrows its place.
-#[derive(Debug, Clone)]
-struct Stars {
-    pool: Vec<u32>,
-    /// Start, length and room of each star.
-    spans: Vec<Span>,
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Span {
-    start: usize,
-    len: u32,
-    room: u32,
-}
-
-impl Stars {
-    fn new(triangles: &[[u32; 3]], points: usize) -> Self {
-        let mut spans = vec![Span::default(); points];
-        let live = || triangles.iter().enumerate().filter(|(_, t)| t[0] != NONE);
-        for (_, t) in live() {
-            for &p in t {
-                spans[p as usize].room += 1;
-            }
-        }
-        let mut start = 0;
-        for span in &mut spans {
-            span.start = start;
-            start += span.room as usize;
-        }
-        // Merged stars move to the end: about twice as much again over a whole simplification.
-        let mut pool = Vec::with_capacity(start * 3);
-        pool.resize(start, 0);
-        for (i, t) in live() {
-            for (slot, &p) in t.iter().enumerate() {
-                let span = &mut spans[p as usize];
-                pool[span.start + span.len as usize] = (i as u32) << 2 | slot as u32;
-                span.len += 1;
-            }
-        }
-        Self { pool, spans }
-    }
-
-    #[inline]
-    fn of(&self, point: u32) -> &[u32] {
-        let Span { start, len, .. } = self.spans[point as usize];
-        &self.pool[start..start + len as usize]
-    }
-
-    fn remove(&mut self, point: u32, triangle: u32) {
-        let Span { start, len, .. } = self.spans[point as usize];
-        let star = &mut self.pool[start..start + len as usize];
-        if star.len() > 64 {
-            // A hub: search and move in wide steps. A triangle is there once.
-            let is_it = |entry: &u32| entry >> 2 == triangle;
-            let mut chunks = star.chunks(32);
-            let chunk = chunks.position(|chunk| chunk.iter().fold(false, |any, entry| any | is_it(entry)));
-            let start = 32 * chunk.unwrap_or(0);
-            if let Some(at) = star[start..].iter().position(is_it) {
-                star.copy_within(start + at + 1.., start + at);
-                self.spans[point as usize].len -= 1;
-            }
-            return;
-        }
-        self.retain(point, |other| other != triangle);
-    }
-
-    #[inline]
-    fn retain(&mut self, point: u32, keep: impl Fn(u32) -> bool) {
-        let span = &mut self.spans[point as usize];
-        let star = &mut self.pool[span.start..span.start + span.len as usize];
-        // Compaction without a branch on where it is.
-        let mut kept = 0;
-        for i in 0..star.len() {
-            let entry = star[i];
-            star[kept] = entry;
-            kept += usize::from(keep(entry >> 2));
-        }
-        span.len = kept as u32;
-    }
-
-    fn clear(&mut self, point: u32) {
-        self.spans[point as usize].len = 0;
-    }
-
-    fn append(&mut self, point: u32, entries: &[u32]) {
-        let span = self.spans[point as usize];
-        let end = span.start + span.len as usize;
-        let len = span.len + entries.len() as u32;
-        if len > span.room {
-            let start = self.pool.len();
-            self.pool.extend_from_within(span.start..end);
-            self.pool.extend_from_slice(entries);
-            // Room in proportion, so that a hub that swallows its neighbours one by one is not copied each time.
-            let room = if len < 32 { len + 2 } else { len + len / 2 };
-            self.pool.resize(start + room as usize, 0);
-            self.spans[point as usize] = Span { start, len, room };
-        } else {
-            self.pool[end..end + entries.len()].copy_from_slice(entries);
-            self.spans[point as usize].len = len;
         }
     }
 }

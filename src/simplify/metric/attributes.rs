@@ -15,10 +15,11 @@ use glam::Vec3;
 
 use super::{Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
 use crate::mesh::{Mesh, names};
-use crate::simplify::engine::blend_weight;
+use crate::simplify::candidates::blend_weight;
+use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
 use crate::simplify::oracle::WedgeMap;
-use crate::simplify::surface::{Surface, kind};
+use crate::simplify::surface::Surface;
 
 /// Which attributes count, and how much.
 ///

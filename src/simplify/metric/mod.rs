@@ -110,6 +110,14 @@ pub trait ErrorMetric: Send + Sync {
         self.cost(surface, pair, surface.position(pair.kept))
     }
 
+    /// The costs of merging `lost` into each of `kept` where those lie, into `costs` (of the same length): the same
+    /// numbers as [`cost_at_kept`](ErrorMetric::cost_at_kept), which is asked one by one unless there is a quicker way.
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        for (&kept, cost) in kept.iter().zip(costs) {
+            *cost = self.cost_at_kept(surface, Pair { lost, kept });
+        }
+    }
+
     /// The position of least cost and its cost; `None` where the metric has no opinion (the midpoint is taken).
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)>;
 
@@ -169,6 +177,9 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
         (**self).cost_at_kept(surface, pair)
     }
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        (**self).costs_at_kept(surface, lost, kept, costs);
+    }
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         (**self).optimum(surface, pair)
     }
@@ -187,5 +198,36 @@ impl ErrorMetric for Box<dyn ErrorMetric> {
     }
     fn dependence(&self) -> Dependence {
         (**self).dependence()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Topology, shapes};
+
+    /// Also behind a box and through [`PerBatch`], for every number of neighbours that lanes of four can meet.
+    #[test]
+    fn costs_together_are_the_costs_one_by_one() {
+        let mesh = shapes::terrain(8, 3);
+        let surface = Surface::new(&mesh, &Topology::new(&mesh));
+        let points: Vec<u32> = (0..surface.point_count() as u32).collect();
+        for verified in [false, true] {
+            let batch = Batch { verified, ..Batch::first(&surface) };
+            let named = NAMES.iter().filter_map(|name| by_name(name));
+            let passed_on = PerBatch::new(|_| Box::new(Quadric::new()));
+            for mut metric in named.chain([Box::new(passed_on) as Box<dyn ErrorMetric>]) {
+                metric.begin(&surface, batch);
+                for lost in [0, 40] {
+                    for kept in (0..10).map(|count| &points[50..50 + count]) {
+                        let mut costs = vec![f32::NAN; kept.len()];
+                        metric.costs_at_kept(&surface, lost, kept, &mut costs);
+                        let one_by_one = kept.iter().map(|&kept| Pair { lost, kept });
+                        let one_by_one = one_by_one.map(|pair| metric.cost_at_kept(&surface, pair));
+                        assert!(costs.iter().copied().eq(one_by_one), "{} {lost} {kept:?}", metric.name());
+                    }
+                }
+            }
+        }
     }
 }

@@ -53,6 +53,10 @@ impl ErrorMetric for PerBatch {
         self.current.cost_at_kept(surface, pair)
     }
 
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.current.costs_at_kept(surface, lost, kept, costs);
+    }
+
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.current.optimum(surface, pair)
     }

@@ -8,11 +8,13 @@
 //! loses nothing: with one origin for the whole mesh, `c` and `d'Ad` would cancel to rounding noise at errors below
 //! 1e-4 of the box.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::solve::{Symmetric, nearest_minimum};
 use super::{Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::surface::{Surface, kind};
+use crate::simplify::classify::kind;
+use crate::simplify::lanes::Lanes;
+use crate::simplify::surface::Surface;
 
 /// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -62,6 +64,16 @@ impl PlaneQuadric {
     #[inline]
     pub fn at(&self, d: Vec3) -> f32 {
         (d.dot(self.times(d)) + 2.0 * d.dot(Vec3::from(self.b)) + self.c).max(0.0)
+    }
+
+    /// The values at four offsets from the origin.
+    #[inline]
+    fn at_each(&self, d: &Lanes) -> Vec4 {
+        let [x, y, z] = d.0;
+        let [xx, yy, zz, xy, xz, yz] = self.a.map(Vec4::splat);
+        let times = Lanes([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]);
+        let linear = d.dot(&Lanes::splat(self.b.into()));
+        (d.dot(&times) + 2.0 * linear + self.c).max(Vec4::ZERO)
     }
 
     /// Half the slope at `d` from the origin.
@@ -123,6 +135,20 @@ impl ErrorMetric for Quadric {
         let quadric = &self.quadrics[pair.lost as usize];
         let sum = quadric.at(surface.at(pair.kept) - surface.at(pair.lost));
         if self.verified { sum } else { sum * quadric.evenness() }
+    }
+
+    /// The same, four at a time.
+    #[inline]
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        let quadric = &self.quadrics[lost as usize];
+        let at = surface.at(lost);
+        let scale = if self.verified { 1.0 } else { quadric.evenness() };
+        for (kept, costs) in kept.chunks(4).zip(costs.chunks_mut(4)) {
+            let last = kept.len() - 1;
+            let offsets = Lanes::gather(|i| surface.at(kept[i.min(last)]) - at);
+            let four = (quadric.at_each(&offsets) * scale).to_array();
+            costs.copy_from_slice(&four[..costs.len()]);
+        }
     }
 
     /// A triangle counts at each of its corners with twice its area: six times the integral.

@@ -15,7 +15,8 @@ use glam::{DVec3, Vec3};
 use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
-use crate::simplify::surface::{Surface, kind};
+use crate::simplify::classify::kind;
+use crate::simplify::surface::Surface;
 
 /// How much the plane of a triangle counts, as a length for its normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,158 @@
+//! Candidates: who is merged into whom, where, and what it costs.
+//!
+//! ```text
+//!     endpoint      lost -> kept, in either direction        every pair is two candidates
+//!     any other     both -> x, where that costs least        every pair is one, looked at from its lower point
+//! ```
+//!
+//! A point on a feature edge holds one that is not, so that borders and seams stay where they are.
+
+use glam::Vec3;
+
+use super::classify::kind;
+use super::metric::{ErrorMetric, Pair};
+use super::placement::Placement;
+use super::surface::Surface;
+use crate::mesh::NONE;
+
+/// A point's cheapest candidate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Best {
+    pub cost: f32,
+    pub other: u32,
+}
+
+/// A candidate that every oracle allows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub pair: Pair,
+    pub x: Vec3,
+    /// Where `x` is in object units; `None` where the kept point stays where it is.
+    pub object: Option<[f32; 3]>,
+}
+
+pub(super) const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
+
+/// What candidates are judged by.
+#[derive(Clone, Copy)]
+pub(super) struct Judge<'a, M> {
+    pub metric: &'a M,
+    pub surface: &'a Surface,
+    pub placement: Placement,
+}
+
+impl<M: ErrorMetric> Judge<'_, M> {
+    /// What a candidate costs.
+    #[inline]
+    pub fn cost(&self, point: u32, other: u32) -> f32 {
+        if self.placement == Placement::Endpoint {
+            let cost = self.metric.cost_at_kept(self.surface, Pair { lost: point, kept: other });
+            if cost > 0.0 { cost } else { 0.0 }
+        } else {
+            self.evaluate(point, other).2
+        }
+    }
+
+    /// What the candidates of a point cost that merge it with each of `others`, into `costs` (of the same length).
+    #[inline]
+    pub fn costs(&self, point: u32, others: &[u32], costs: &mut [f32]) {
+        if self.placement == Placement::Endpoint {
+            self.metric.costs_at_kept(self.surface, point, others, costs);
+            costs.iter_mut().for_each(|cost| *cost = if *cost > 0.0 { *cost } else { 0.0 });
+        } else {
+            for (&other, cost) in others.iter().zip(costs) {
+                *cost = self.evaluate(point, other).2;
+            }
+        }
+    }
+
+    /// Who is merged into whom, and where.
+    #[inline]
+    pub fn place(&self, point: u32, other: u32) -> (Pair, Vec3) {
+        if self.placement == Placement::Endpoint {
+            return (Pair { lost: point, kept: other }, self.surface.at(other));
+        }
+        let (pair, x, _) = self.evaluate(point, other);
+        (pair, x)
+    }
+
+    /// Who is merged into whom, where, and what it costs, if not at an endpoint.
+    fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
+        let pair = Pair { lost: point, kept: other };
+        let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
+        let (pair, bound) = self.orient(pair);
+        let kept = self.surface.at(pair.kept);
+        if bound {
+            return (pair, kept, clean(self.metric.cost(self.surface, pair, kept.into())));
+        }
+        let lost = self.surface.at(pair.lost);
+        let middle = 0.5 * (lost + kept);
+        let cost = |pair: Pair, x: Vec3| clean(self.metric.cost(self.surface, pair, x.into()));
+        match self.placement {
+            Placement::Optimal => {
+                if let Some((x, c)) = self.metric.optimum(self.surface, pair) {
+                    let x = Vec3::from(x);
+                    if x.is_finite() {
+                        return (pair, x, clean(c));
+                    }
+                }
+                (pair, middle, cost(pair, middle))
+            }
+            Placement::Subset => {
+                let swapped = Pair { lost: pair.kept, kept: pair.lost };
+                let options = [(pair, kept), (swapped, lost), (pair, middle)];
+                let mut best = (pair, kept, f32::INFINITY);
+                for (pair, x) in options {
+                    let c = cost(pair, x);
+                    if c < best.2 {
+                        best = (pair, x, c);
+                    }
+                }
+                best
+            }
+            _ => (pair, middle, cost(pair, middle)),
+        }
+    }
+
+    /// Puts the freer point first; says whether the other one must stay where it is.
+    fn orient(&self, pair: Pair) -> (Pair, bool) {
+        let held = |p: u32| {
+            let bits = self.surface.kind(p);
+            let rank = if bits & kind::LOCKED != 0 {
+                3
+            } else if bits & kind::FEATURE == 0 {
+                0
+            } else if bits & kind::CURVE != 0 {
+                1
+            } else {
+                2
+            };
+            (rank, bits & kind::FEATURE)
+        };
+        let (lost, kept) = (held(pair.lost), held(pair.kept));
+        if lost.0 > kept.0 {
+            (Pair { lost: pair.kept, kept: pair.lost }, true)
+        } else {
+            (pair, lost != kept || lost.0 > 1)
+        }
+    }
+
+    /// The position as it will be stored (object units, single precision) and back in the inner frame. A kept point
+    /// that does not move keeps its exact position and its vertices.
+    pub fn snap(&self, pair: Pair, x: Vec3) -> (Vec3, Option<[f32; 3]>) {
+        if x == self.surface.at(pair.kept) {
+            return (x, None);
+        }
+        let object = self.surface.frame().object(x.into());
+        (Vec3::from(self.surface.frame().inner(object)), Some(object))
+    }
+}
+
+/// The share of `b` in a blend that lies nearest `x` on the segment from `a` to `b`.
+pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
+    let ab = b - a;
+    let length = ab.length_squared();
+    let share = (x - a).dot(ab) / length;
+    // Not a number where points coincide, and where products overflow far away.
+    if share > 0.0 { share.min(1.0) } else { 0.0 }
+}

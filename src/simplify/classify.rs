@@ -1,0 +1,248 @@
+//! What every point and edge is: border, seam, material border, non-manifold, or nothing of the kind.
+//!
+//! A point is classified by one walk over its star, once at the start and again where parts were joined or a feature
+//! moved on. An edge is classified when it is asked about, from the side with fewer triangles.
+
+use crate::mesh::NONE;
+
+use super::surface::{Corner, Surface};
+
+/// What a point is, as bits.
+pub(crate) mod kind {
+    /// On an open border.
+    pub const BORDER: u8 = 1;
+    /// On an edge of three or more triangles, or where several fans meet.
+    pub const NON_MANIFOLD: u8 = 2;
+    /// On an edge across which the wedge changes.
+    pub const SEAM: u8 = 4;
+    /// On an edge between two materials.
+    pub const MATERIAL: u8 = 8;
+    /// Locked by the caller.
+    pub const LOCKED: u8 = 16;
+    /// Exactly two feature edges meet here: it may slide along them.
+    pub const CURVE: u8 = 32;
+    /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
+    pub const IRREGULAR: u8 = 64;
+    /// Any edge that must stay an edge.
+    pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
+}
+
+impl Surface {
+    /// Finds what every point is. O(corners).
+    pub(super) fn classify(&mut self) {
+        self.scratch.seen = vec![Seen::default(); self.positions.len()];
+        for point in 0..self.positions.len() as u32 {
+            self.classify_point(point);
+        }
+    }
+
+    /// Finds anew what a point is, and each of its neighbours: after two parts were joined there.
+    pub(crate) fn reclassify_around(&mut self, point: u32) {
+        let mut around = std::mem::take(&mut self.scratch.moved);
+        around.clear();
+        around.extend(self.star(point).flat_map(|corner| corner.others));
+        // Each once: a neighbour may be a hub, and share many triangles with this point.
+        around.sort_unstable();
+        around.dedup();
+        self.classify_point(point);
+        for &neighbour in &around {
+            self.classify_point(neighbour);
+        }
+        self.scratch.moved = around;
+    }
+
+    /// Whether the triangles around a point are one closed ring in one direction; only tried for common valences.
+    /// Such a point has no feature edge, unless a seam or material says so.
+    #[inline]
+    fn is_plain_ring(&self, point: u32) -> bool {
+        let count = self.valence(point);
+        if !(3..=16).contains(&count) {
+            return false;
+        }
+        if count <= 8 { self.is_ring_of::<8>(point, count) } else { self.is_ring_of::<16>(point, count) }
+    }
+
+    /// The walk around it: from each corner's last point to the corner that has it as its next. All corners are
+    /// compared at once, since a search would end where the processor does not expect it.
+    #[inline]
+    fn is_ring_of<const N: usize>(&self, point: u32, count: usize) -> bool {
+        let (mut next, mut last) = ([NONE; N], [0; N]);
+        for ((next, last), corner) in next.iter_mut().zip(&mut last).zip(self.star(point)) {
+            [*next, *last] = corner.others;
+        }
+        let (first, mut at) = (next[0], last[0]);
+        let mut is_ring = true;
+        for _ in 1..count {
+            is_ring &= at != first;
+            let (mut to, mut found) = (0, 0);
+            for (&next, &last) in next.iter().zip(&last) {
+                let is_it = u32::from(next == at);
+                to |= last & is_it.wrapping_neg();
+                found += is_it;
+            }
+            is_ring &= found == 1;
+            at = to;
+        }
+        // Back at the start after as many steps as triangles: each was passed once.
+        is_ring & (at == first)
+    }
+
+    /// Finds what a point is by one walk over its star, with marks: O(valence).
+    fn classify_point(&mut self, point: u32) {
+        if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
+            self.kinds[point as usize] &= kind::LOCKED;
+            return;
+        }
+        let mut seen = std::mem::take(&mut self.scratch.seen);
+        let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
+        neighbours.clear();
+        for corner in self.star(point) {
+            for side in 0..2 {
+                let n = corner.others[side];
+                let entry = &mut seen[n as usize];
+                if entry.count == 0 {
+                    neighbours.push(n);
+                    entry.first = self.edge_vertices(corner, side);
+                    entry.material = self.material(corner.triangle);
+                } else {
+                    let seam = self.edge_vertices(corner, side) != entry.first;
+                    let border = self.material(corner.triangle) != entry.material;
+                    entry.bits |= if seam { kind::SEAM } else { 0 } | if border { kind::MATERIAL } else { 0 };
+                }
+                entry.count += 1;
+                if side == 0 {
+                    entry.next += 1;
+                    entry.follow = corner.others[1];
+                }
+            }
+        }
+        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED, 0u32);
+        for &n in &neighbours {
+            let entry = &seen[n as usize];
+            let edge = match entry.count {
+                1 => kind::BORDER,
+                2 => entry.bits,
+                _ => entry.bits | kind::NON_MANIFOLD,
+            };
+            bits |= edge | if entry.next == 1 { 0 } else { kind::IRREGULAR };
+            features += u32::from(edge != 0);
+        }
+        if bits & kind::NON_MANIFOLD == 0 {
+            let single = if bits & kind::IRREGULAR == 0 {
+                ring_length(&seen, &neighbours) == neighbours.len()
+            } else {
+                self.fan_length(point) == self.valence(point)
+            };
+            bits |= if single { 0 } else { kind::NON_MANIFOLD };
+            features += if single { 0 } else { 3 };
+        }
+        bits |= if features == 2 { kind::CURVE } else { 0 };
+        self.kinds[point as usize] = bits;
+        for &n in &neighbours {
+            seen[n as usize] = Seen::default();
+        }
+        self.scratch.seen = seen;
+        self.scratch.neighbours = neighbours;
+    }
+
+    /// Triangles around a point that can be reached from the first across shared edges: fewer than its valence where
+    /// several fans meet. O(valence log valence).
+    fn fan_length(&self, point: u32) -> usize {
+        let mut ends: Vec<(u32, u32)> = Vec::with_capacity(2 * self.valence(point));
+        for (i, corner) in self.star(point).enumerate() {
+            ends.extend(corner.others.map(|o| (o, i as u32)));
+        }
+        ends.sort_unstable();
+        let mut parent: Vec<u32> = (0..self.valence(point) as u32).collect();
+        fn root(parent: &mut [u32], mut i: u32) -> u32 {
+            while parent[i as usize] != i {
+                parent[i as usize] = parent[parent[i as usize] as usize];
+                i = parent[i as usize];
+            }
+            i
+        }
+        for pair in ends.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+        (0..parent.len() as u32).filter(|&i| root(&mut parent, i) == 0).count()
+    }
+
+    /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
+    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
+        // From the side with fewer triangles: the other may be a hub.
+        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
+        let mut first: Option<(Corner, [u32; 2])> = None;
+        let mut count = 0;
+        let mut bits = 0;
+        for corner in self.star(u) {
+            let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
+            count += 1;
+            let ends = self.edge_vertices(corner, side);
+            match first {
+                None => first = Some((corner, ends)),
+                Some((other, other_ends)) => {
+                    bits |= if ends != other_ends { kind::SEAM } else { 0 };
+                    let differ = self.material(corner.triangle) != self.material(other.triangle);
+                    bits |= if differ { kind::MATERIAL } else { 0 };
+                }
+            }
+        }
+        match count {
+            0 => None,
+            1 => Some(kind::BORDER),
+            2 => Some(bits),
+            _ => Some(bits | kind::NON_MANIFOLD),
+        }
+    }
+
+    /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
+    /// edge of many triangles the third tells.
+    pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
+        let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
+        let mut first: Option<(u32, [u32; 2])> = None;
+        let mut count = 0;
+        for corner in self.star(u) {
+            let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
+            count += 1;
+            let (material, ends) = (self.material(corner.triangle), self.edge_vertices(corner, side));
+            if count > 2 || *first.get_or_insert((material, ends)) != (material, ends) {
+                return true;
+            }
+        }
+        count == 1
+    }
+
+    /// The vertices of `corner`'s point and of its other number `side`.
+    #[inline]
+    fn edge_vertices(&self, corner: Corner, side: usize) -> [u32; 2] {
+        if self.corner_vertices.is_empty() {
+            return [0, 0];
+        }
+        let vertices = self.corner_vertices[corner.triangle as usize];
+        [vertices[corner.slot as usize], vertices[(corner.slot as usize + 1 + side) % 3]]
+    }
+}
+
+/// Neighbours on the ring that starts at the first, where each has exactly one follower.
+fn ring_length(seen: &[Seen], neighbours: &[u32]) -> usize {
+    let Some(&first) = neighbours.first() else { return 0 };
+    let (mut at, mut length) = (seen[first as usize].follow, 1);
+    while at != first && length <= neighbours.len() {
+        at = seen[at as usize].follow;
+        length += 1;
+    }
+    length
+}
+
+/// What is known of one neighbour while a star is walked.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Seen {
+    count: u32,
+    next: u32,
+    /// The neighbour that comes after this one around the point.
+    follow: u32,
+    first: [u32; 2],
+    material: u32,
+    bits: u8,
+}

@@ -1,0 +1,96 @@
+//! What a collapse makes stale, cheaper or awake: the part of the driver behind each collapse.
+
+use crate::mesh::NONE;
+
+use super::super::candidates::{Best, NO_BEST};
+use super::super::metric::{Dependence, ErrorMetric, Pair};
+use super::super::options::Order;
+use super::{Engine, state};
+
+impl<M: ErrorMetric> Engine<'_, M> {
+    /// Brings the candidates around a merged point up to date, or marks them stale.
+    pub(super) fn update_around(&mut self, pair: Pair, rank: u32) {
+        let mut ring = std::mem::take(&mut self.ring);
+        ring.clear();
+        self.surface.for_neighbours(pair.kept, |n| ring.push(n));
+        if self.tiled {
+            self.touched[pair.kept as usize] = rank;
+            for &n in &ring {
+                self.touched[n as usize] = self.touched[n as usize].max(rank);
+            }
+        }
+        if self.order == Order::Batched {
+            self.state[pair.kept as usize] |= state::TOUCHED;
+            ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
+        } else {
+            let dependence = self.metric.dependence();
+            let memoryless = dependence == Dependence::Triangles;
+            let kept_counts = dependence == Dependence::Both || self.is_symmetric();
+            if !self.verified.is_empty() {
+                ring.iter().for_each(|&n| self.verified[n as usize] = NONE);
+                self.verified[pair.kept as usize] = NONE;
+            }
+            for &n in &ring {
+                let other = self.best[n as usize].other;
+                let state = &mut self.state[n as usize];
+                let stale = memoryless | (other == pair.lost) | (kept_counts & (other == pair.kept));
+                *state |= state::STALE * u8::from(stale);
+                if *state & state::ASLEEP != 0 {
+                    *state = *state & !state::ASLEEP | state::STALE;
+                    self.queue.insert(n, 0.0);
+                }
+            }
+            self.state[pair.kept as usize] &= !state::ASLEEP;
+            if memoryless {
+                // All its pairs are offered below.
+                self.state[pair.kept as usize] &= !state::STALE;
+                self.best[pair.kept as usize] = NO_BEST;
+                self.queue.remove(pair.kept);
+                self.offer(pair.kept, &ring);
+            } else {
+                self.state[pair.kept as usize] |= state::STALE;
+                // Costs of pairs that were there before only grew; those with new neighbours are new.
+                ring.clear();
+                let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
+                ring.extend(others.filter(|&n| !self.patch.has_third(n)));
+                self.offer(pair.kept, &ring);
+            }
+            ring.clear();
+            self.partners.for_each(pair.kept, |n| ring.push(n));
+            self.offer(pair.kept, &ring);
+            if self.best[pair.kept as usize].other != NONE {
+                self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
+            }
+        }
+        self.ring = ring;
+    }
+
+    /// Looks at the pairs of a point with others, in both directions, and moves points up where one is their cheapest.
+    fn offer(&mut self, point: u32, others: &[u32]) {
+        if self.is_symmetric() {
+            for &other in others {
+                let (low, high) = (point.min(other), point.max(other));
+                self.offer_one(low, high, self.judge().cost(low, high));
+            }
+            return;
+        }
+        let mut costs = std::mem::take(&mut self.costs);
+        costs.clear();
+        costs.resize(others.len(), 0.0);
+        self.judge().costs(point, others, &mut costs);
+        for (&other, &cost) in others.iter().zip(&costs) {
+            self.offer_one(point, other, cost);
+            self.offer_one(other, point, self.judge().cost(other, point));
+        }
+        self.costs = costs;
+    }
+
+    #[inline]
+    fn offer_one(&mut self, point: u32, other: u32, cost: f32) {
+        let best = &mut self.best[point as usize];
+        if cost < best.cost || best.other == NONE {
+            *best = Best { cost, other };
+            self.queue.insert(point, cost);
+        }
+    }
+}
