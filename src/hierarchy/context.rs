@@ -19,7 +19,7 @@ use crate::mesh::{Adjacency, NONE};
 use super::{Lists, VertexHierarchy};
 
 /// Leaves of a cluster beyond which not all are looked at.
-const MOST_LEAVES: usize = 96;
+const MOST_LEAVES: usize = 24;
 
 /// Per split, how far the input is from a mesh that is fine but for it. `end`: per vertex the end of its run of leaves.
 pub(super) fn lonely_errors(
