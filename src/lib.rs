@@ -68,7 +68,9 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod adapt;
 pub mod error;
+pub mod hierarchy;
 #[cfg(feature = "io")]
 pub mod io;
 pub mod mesh;
@@ -76,6 +78,7 @@ pub mod mesh;
 pub mod quality;
 pub mod simplify;
 pub mod tom;
+pub mod view;
 
 pub use error::MeshError;
 pub use mesh::{Attribute, Mesh};

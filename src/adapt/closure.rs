@@ -1,0 +1,90 @@
+//! The smallest closed set that holds what is asked for: counting who needs whom.
+//!
+//! A refinement is in the mesh if it is asked for or needed by one that is. Needs have no cycles, so a count of the
+//! refinements in the mesh that need each one says just that, in whatever order requests come and go.
+
+use super::front::{ASKED, DONE};
+use super::refinements::Refinements;
+
+#[derive(Debug, Clone)]
+pub(super) struct Closure {
+    /// How many refinements in the mesh need each one; empty where nothing needs more than its parents.
+    held: Vec<u32>,
+    stack: Vec<(u32, bool)>,
+}
+
+impl Closure {
+    /// `needs`: whether any refinement needs more than its parents.
+    pub fn new(count: usize, needs: bool) -> Self {
+        Self { held: if needs { vec![0; count] } else { Vec::new() }, stack: Vec::new() }
+    }
+
+    /// Takes in that `r` is asked for now, or no longer; `apply` is told what comes into the mesh or goes, in order.
+    pub fn change<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        state: &mut [u8],
+        r: u32,
+        asked: bool,
+        apply: &mut impl FnMut(&[u8], u32, bool),
+    ) {
+        if self.held.is_empty() {
+            // What is asked for is closed under parents by itself.
+            state[r as usize] ^= DONE;
+            apply(state, r, asked);
+        } else if asked {
+            self.bring(of, state, r, apply);
+        } else if self.held[r as usize] == 0 {
+            self.drop(of, state, r, apply);
+        }
+    }
+
+    fn bring<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        state: &mut [u8],
+        r: u32,
+        apply: &mut impl FnMut(&[u8], u32, bool),
+    ) {
+        self.stack.push((r, false));
+        while let Some((r, ready)) = self.stack.pop() {
+            if state[r as usize] & DONE != 0 {
+                continue;
+            }
+            if ready {
+                state[r as usize] |= DONE;
+                of.parents(r).chain(of.needs(r)).for_each(|n| self.held[n as usize] += 1);
+                apply(state, r, true);
+            } else {
+                self.stack.push((r, true));
+                let missing = of.parents(r).chain(of.needs(r)).filter(|&n| state[n as usize] & DONE == 0);
+                self.stack.extend(missing.map(|n| (n, false)));
+            }
+        }
+    }
+
+    fn drop<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        state: &mut [u8],
+        r: u32,
+        apply: &mut impl FnMut(&[u8], u32, bool),
+    ) {
+        self.stack.push((r, false));
+        while let Some((r, _)) = self.stack.pop() {
+            state[r as usize] &= !DONE;
+            apply(state, r, false);
+            for n in of.parents(r).chain(of.needs(r)) {
+                self.held[n as usize] -= 1;
+                if self.held[n as usize] == 0 && state[n as usize] & ASKED == 0 {
+                    self.stack.push((n, false));
+                }
+            }
+        }
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.held[..])
+    }
+}

@@ -1,0 +1,135 @@
+//! Which elements of a buffer were written since somebody last asked.
+
+use std::ops::Range;
+
+/// One bit an element.
+#[derive(Debug, Clone, Default)]
+pub struct Dirty {
+    words: Vec<u64>,
+}
+
+impl Dirty {
+    /// Marks an element. Grows as needed.
+    #[inline]
+    pub fn mark(&mut self, element: u32) {
+        let word = element as usize / 64;
+        if word >= self.words.len() {
+            self.words.resize((word + 1).next_power_of_two(), 0);
+        }
+        self.words[word] |= 1 << (element % 64);
+    }
+
+    /// Marks all of `0..count`.
+    pub fn mark_all(&mut self, count: usize) {
+        self.words.resize(count.div_ceil(64).max(self.words.len()), 0);
+        self.words[..count / 64].fill(u64::MAX);
+        if !count.is_multiple_of(64) {
+            self.words[count / 64] |= (1 << (count % 64)) - 1;
+        }
+    }
+
+    /// Forgets all marks.
+    pub fn clear(&mut self) {
+        self.words.fill(0);
+    }
+
+    /// The marked elements below `count` as ascending ranges; those that at most `gap` unmarked elements part are one.
+    /// O(count / 64 + ranges).
+    pub fn ranges(&self, count: usize, gap: usize) -> DirtyRanges<'_> {
+        DirtyRanges { words: &self.words, at: 0, count, gap }
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.words[..])
+    }
+}
+
+/// Ranges of elements that changed, ascending and apart; see [`Dirty::ranges`].
+#[derive(Debug, Clone)]
+pub struct DirtyRanges<'a> {
+    words: &'a [u64],
+    at: usize,
+    count: usize,
+    gap: usize,
+}
+
+impl DirtyRanges<'_> {
+    /// No ranges.
+    pub(crate) fn none() -> Self {
+        Self { words: &[], at: 0, count: 0, gap: 0 }
+    }
+
+    /// First element from `from` on that is marked (or not), at most `count`.
+    fn seek(&self, from: usize, marked: bool) -> usize {
+        let word = |index: usize| {
+            let w = self.words.get(index).copied().unwrap_or(0);
+            if marked { w } else { !w }
+        };
+        let mut index = from / 64;
+        let mut bits = word(index) & (u64::MAX << (from % 64));
+        while bits == 0 {
+            index += 1;
+            if index * 64 >= self.count || (marked && index >= self.words.len()) {
+                return self.count;
+            }
+            bits = word(index);
+        }
+        (index * 64 + bits.trailing_zeros() as usize).min(self.count)
+    }
+}
+
+impl Iterator for DirtyRanges<'_> {
+    type Item = Range<usize>;
+
+    fn next(&mut self) -> Option<Range<usize>> {
+        if self.at >= self.count {
+            return None;
+        }
+        let start = self.seek(self.at, true);
+        if start >= self.count {
+            self.at = self.count;
+            return None;
+        }
+        let mut end = self.seek(start, false);
+        loop {
+            let next = if end < self.count { self.seek(end, true) } else { self.count };
+            if next >= self.count || next - end > self.gap {
+                break;
+            }
+            end = self.seek(next, false);
+        }
+        self.at = end;
+        Some(start..end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_the_marks_and_nothing_beyond_the_gaps() {
+        let mut state = 5u64;
+        let mut random = |n: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as usize % n
+        };
+        for _ in 0..300 {
+            let (count, gap) = (1 + random(400), random(6));
+            let mut dirty = Dirty::default();
+            let marks: Vec<usize> = (0..random(60)).map(|_| random(count + 20)).collect();
+            marks.iter().for_each(|&m| dirty.mark(m as u32));
+            let ranges: Vec<_> = dirty.ranges(count, gap).collect();
+            for m in 0..count {
+                let inside = ranges.iter().any(|r| r.contains(&m));
+                assert!(!marks.contains(&m) || inside);
+            }
+            assert!(ranges.iter().all(|r| marks.contains(&r.start) && marks.contains(&(r.end - 1))));
+            assert!(ranges.windows(2).all(|w| w[1].start - w[0].end > gap));
+            dirty.clear();
+            dirty.mark_all(count);
+            assert_eq!(dirty.ranges(count, 0).collect::<Vec<_>>(), [0..count]);
+        }
+    }
+}

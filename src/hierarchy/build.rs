@@ -1,0 +1,332 @@
+//! From a collapse sequence to a vertex hierarchy: vertices depth first, splits from coarse to fine.
+//!
+//! ```text
+//!     leaves   | x, what joined x first, second, ... last | next root ...     all that a vertex stands for is one run, and
+//!                                                                            what its last collapse brought ends it
+//!     splits   | coarsest | next two | next four | ...                       in each octave by place, so that a region at
+//!                                                                            one level lies together
+//! ```
+
+use crate::error::MeshError;
+use crate::mesh::{Mesh, NONE};
+use crate::simplify::lineage::Lineage;
+use crate::simplify::{CollapseSequence, NewVertex, Origin};
+
+use super::bounds::bounds;
+use super::context::lonely_errors;
+use super::needs::needs;
+use super::stars::MOST_CORNERS;
+use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
+
+/// Most triangles: all may lie around one vertex.
+const MOST_TRIANGLES: usize = MOST_CORNERS;
+/// Most different materials: a group's number is 16 bits.
+const MOST_MATERIALS: usize = 1 << 16;
+
+/// A vertex hierarchy and how its numbers relate to the input's.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct HierarchyBuild {
+    /// The structure.
+    pub hierarchy: VertexHierarchy,
+    /// Per vertex of the structure its number in the sequence: an input vertex, or a new one.
+    pub vertex_order: Vec<u32>,
+    /// Per triangle of the structure its number in the input.
+    pub triangle_order: Vec<u32>,
+    /// Vertices of the input.
+    pub input_vertices: usize,
+    /// The sequence's new vertices.
+    pub new_vertices: Vec<NewVertex>,
+}
+
+impl HierarchyBuild {
+    /// Values of the input's vertices in the order of the structure; `blend` makes those of new vertices from two others
+    /// and the share of the second. O(n).
+    ///
+    /// # Errors
+    /// As many values as input vertices are needed.
+    pub fn arrange_with<V: Copy>(
+        &self,
+        values: &[V],
+        mut blend: impl FnMut(&V, &V, f32) -> V,
+    ) -> Result<Vec<V>, MeshError> {
+        let expected = self.input_vertices;
+        if values.len() != expected {
+            return Err(MeshError::LengthMismatch {
+                what: "values".to_owned(),
+                found: values.len(),
+                expected,
+            });
+        }
+        let mut made = Vec::with_capacity(self.new_vertices.len());
+        let value = |made: &[V], v: u32| match made.get((v as usize).wrapping_sub(expected)) {
+            Some(&new) => new,
+            None => values[v as usize],
+        };
+        for new in &self.new_vertices {
+            let [a, b] = new.from.map(|v| value(&made, v));
+            made.push(blend(&a, &b, new.weight));
+        }
+        Ok(self.vertex_order.iter().map(|&v| value(&made, v)).collect())
+    }
+
+    /// Positions in the order of the structure, object units: new vertices lie where their collapses put them.
+    ///
+    /// # Errors
+    /// As many positions as input vertices are needed.
+    pub fn positions(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, MeshError> {
+        let mut new = self.new_vertices.iter();
+        self.arrange_with(positions, |_, _, _| new.next().map_or([0.0; 3], |new| new.position))
+    }
+}
+
+impl VertexHierarchy {
+    /// Reads a sequence against the mesh it was made from. O(n log n), and O(n x neighbours) more with dependencies.
+    ///
+    /// # Errors
+    /// The sequence belongs to another mesh or does not hold together; more elements than can be numbered.
+    pub fn build(
+        mesh: &Mesh,
+        sequence: &CollapseSequence,
+        dependencies: Dependencies,
+    ) -> Result<HierarchyBuild, HierarchyError> {
+        let lineage = Lineage::new(mesh, sequence)?;
+        let triangles = mesh.triangles().len();
+        if triangles > MOST_TRIANGLES {
+            return Err(HierarchyError::TooMany {
+                what: "triangles",
+                count: triangles,
+                limit: MOST_TRIANGLES,
+            });
+        }
+        let forest = Forest::new(mesh, sequence, &lineage);
+        let splits = Splits::new(sequence, &lineage, &forest);
+        let count = splits.brings.start.len() - 1;
+
+        // Triangles by the split that brings them back.
+        let key = |t: usize| match lineage.end(mesh.triangles()[t]) {
+            0 => None,
+            NONE => Some(0),
+            end => Some(splits.of_step[end as usize - 1] + 1),
+        };
+        let keys: Vec<Option<u32>> = (0..triangles).map(key).collect();
+        let kept = || keys.iter().enumerate().filter_map(|(t, key)| key.map(|key| (key, t as u32)));
+        let by_split = Lists::from_pairs(count + 1, kept());
+        let leaf = |v: u32| forest.vertex[lineage.folded(v) as usize];
+        let mut materials = mesh.materials().to_vec();
+        materials.sort_unstable();
+        materials.dedup();
+        if materials.len() > MOST_MATERIALS {
+            let (count, limit) = (materials.len(), MOST_MATERIALS);
+            return Err(HierarchyError::TooMany { what: "materials", count, limit });
+        }
+        let group = |t: &u32| materials.partition_point(|&id| id < mesh.materials()[*t as usize]) as u16;
+        let group_of =
+            if materials.len() > 1 { by_split.items.iter().map(group).collect() } else { Vec::new() };
+        let corners = by_split.items.iter().map(|&t| mesh.triangles()[t as usize].map(leaf)).collect();
+
+        let mut hierarchy = VertexHierarchy {
+            substitute: forest.substitute,
+            split_of: splits.of_vertex,
+            first_leaf: forest.first_leaf,
+            leaves: forest.leaves,
+            brings: splits.brings,
+            parents: splits.parents,
+            children: splits.children,
+            needs: Lists { start: vec![0; count + 1], items: Vec::new() },
+            bounds: Vec::new(),
+            roots: splits.roots,
+            triangles: corners,
+            first_triangle: by_split.start[1..].to_vec(),
+            group_of,
+            materials,
+            diagonal: mesh.diagonal(),
+        };
+        let lonely = lonely_errors(&hierarchy, &hierarchy.brings, &forest.end, &forest.positions);
+        let error: Vec<f32> = splits.error.iter().zip(&lonely).map(|(a, b)| a.max(*b)).collect();
+        hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
+        hierarchy.needs = needs(&hierarchy, &splits.order, dependencies);
+        Ok(HierarchyBuild {
+            hierarchy,
+            vertex_order: forest.order,
+            triangle_order: by_split.items,
+            input_vertices: sequence.input_vertices(),
+            new_vertices: sequence.new_vertices().to_vec(),
+        })
+    }
+}
+
+/// Vertices in their new order.
+struct Forest {
+    /// Per number of the lineage its vertex; `NONE` for duplicates and unused ones.
+    vertex: Vec<u32>,
+    leaves: u32,
+    substitute: Vec<u32>,
+    first_leaf: Vec<u32>,
+    /// Per vertex the end of its run of leaves.
+    end: Vec<u32>,
+    /// The sequence's number of every vertex.
+    order: Vec<u32>,
+    positions: Vec<[f32; 3]>,
+}
+
+impl Forest {
+    fn new(mesh: &Mesh, sequence: &CollapseSequence, lineage: &Lineage) -> Self {
+        let count = lineage.real as usize;
+        let is_leaf = |number: usize| (lineage.order[number] as usize) < sequence.input_vertices();
+        let position = |number: usize| match sequence.origin(lineage.order[number]) {
+            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Blend(new) => new.position,
+        };
+        let parent = |number: usize| lineage.parent(number as u32) as usize;
+
+        // Leaves under each; every parent is numbered lower.
+        let mut size: Vec<u32> = (0..count).map(|number| u32::from(is_leaf(number))).collect();
+        for number in (lineage.roots as usize..count).rev() {
+            size[parent(number)] += size[number];
+        }
+        let mut roots: Vec<(u32, u32)> =
+            (0..lineage.roots).map(|root| (morton(mesh, position(root as usize)), root)).collect();
+        roots.sort_unstable();
+
+        // Runs: within one, what was taken last is at its end.
+        let mut start = vec![0_u32; count];
+        let mut end = vec![0_u32; count];
+        let mut leaves = 0;
+        for (_, root) in roots {
+            start[root as usize] = leaves;
+            leaves += size[root as usize];
+            end[root as usize] = leaves;
+        }
+        for number in lineage.roots as usize..count {
+            let of = parent(number);
+            end[number] = end[of];
+            end[of] -= size[number];
+            start[number] = end[of];
+        }
+
+        let mut made: Vec<u32> = (0..count as u32).filter(|&number| !is_leaf(number as usize)).collect();
+        made.sort_by_key(|&number| (start[number as usize], number));
+        let mut vertex = vec![NONE; lineage.order.len()];
+        let mut number_of = vec![0_u32; count];
+        for number in 0..count {
+            if is_leaf(number) {
+                vertex[number] = start[number];
+            }
+        }
+        for (i, &number) in made.iter().enumerate() {
+            vertex[number as usize] = leaves + i as u32;
+        }
+        for number in 0..count {
+            number_of[vertex[number] as usize] = number as u32;
+        }
+        Self {
+            leaves,
+            end: number_of.iter().map(|&number| start[number as usize] + size[number as usize]).collect(),
+            substitute: number_of.iter().map(|&number| vertex[parent(number as usize)]).collect(),
+            first_leaf: made.iter().map(|&number| start[number as usize]).collect(),
+            order: number_of.iter().map(|&number| lineage.order[number as usize]).collect(),
+            positions: number_of.iter().map(|&number| position(number as usize)).collect(),
+            vertex,
+        }
+    }
+}
+
+/// Ten bits of each coordinate within the box, interleaved.
+fn morton(mesh: &Mesh, position: [f32; 3]) -> u32 {
+    let Some([low, high]) = mesh.bounds() else { return 0 };
+    (0..3).fold(0, |code, axis| {
+        let wide = f64::from(high[axis]) - f64::from(low[axis]);
+        let along = if wide > 0.0 { (f64::from(position[axis]) - f64::from(low[axis])) / wide } else { 0.0 };
+        let cell = (along * 1024.0).clamp(0.0, 1023.0) as u32;
+        (0..10).fold(code, |code, bit| code | (cell >> bit & 1) << (3 * bit + axis))
+    })
+}
+
+/// Splits in their new order.
+struct Splits {
+    /// Per step its split; `NONE` where it takes nothing.
+    of_step: Vec<u32>,
+    of_vertex: Vec<u32>,
+    brings: Lists,
+    parents: Lists,
+    children: Lists,
+    roots: Vec<u32>,
+    error: Vec<f32>,
+    /// Splits in the order of their collapses.
+    order: Vec<u32>,
+}
+
+impl Splits {
+    fn new(sequence: &CollapseSequence, lineage: &Lineage, forest: &Forest) -> Self {
+        let steps: Vec<usize> =
+            (0..sequence.len()).filter(|&s| !sequence.substitutions(s).is_empty()).collect();
+        let count = steps.len();
+        let vertex = |v: u32| forest.vertex[lineage.number[v as usize] as usize];
+
+        // A collapse is undone after the next one that touches a vertex that it touched.
+        let mut last = vec![NONE; forest.substitute.len()];
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(2 * count);
+        for (i, &step) in steps.iter().enumerate() {
+            for pair in sequence.substitutions(step) {
+                for v in pair.map(vertex) {
+                    let before = std::mem::replace(&mut last[v as usize], i as u32);
+                    if before != NONE && before != i as u32 {
+                        edges.push([before, i as u32]);
+                    }
+                }
+            }
+        }
+        edges.sort_unstable();
+        edges.dedup();
+
+        // Coarsest first, in octaves; within one by place, but never before a parent.
+        let above = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (child, parent)));
+        let octave = |i: usize| (count - i).ilog2();
+        let mut place = vec![0_u32; count];
+        for i in (0..count).rev() {
+            let own = sequence.substitutions(steps[i]).iter().map(|pair| {
+                let to = vertex(pair[1]);
+                if to < forest.leaves { to } else { forest.first_leaf[(to - forest.leaves) as usize] }
+            });
+            let parents = above.get(i as u32).iter().map(|&parent| parent as usize);
+            let same = parents.filter(|&parent| octave(parent) == octave(i)).map(|parent| place[parent]);
+            place[i] = own.chain(same).max().unwrap_or(0);
+        }
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.sort_unstable_by_key(|&i| (octave(i as usize), place[i as usize], std::cmp::Reverse(i)));
+        let mut split = vec![0_u32; count];
+        for (s, &i) in order.iter().enumerate() {
+            split[i as usize] = s as u32;
+        }
+
+        for edge in &mut edges {
+            *edge = edge.map(|i| split[i as usize]);
+        }
+        edges.sort_unstable();
+        let parents = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (child, parent)));
+        let children = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (parent, child)));
+        let taken = order.iter().enumerate().flat_map(|(s, &i)| {
+            sequence.substitutions(steps[i as usize]).iter().map(move |pair| (s as u32, vertex(pair[0])))
+        });
+        let brings = Lists::from_pairs(count, taken);
+        let mut of_vertex = vec![NONE; forest.substitute.len()];
+        for s in 0..count as u32 {
+            brings.get(s).iter().for_each(|&v| of_vertex[v as usize] = s);
+        }
+        let mut of_step = vec![NONE; sequence.len()];
+        for (i, &step) in steps.iter().enumerate() {
+            of_step[step] = split[i];
+        }
+        Self {
+            of_step,
+            of_vertex,
+            brings,
+            roots: (0..count as u32).filter(|&s| parents.get(s).is_empty()).collect(),
+            parents,
+            children,
+            error: order.iter().map(|&i| sequence.step_error(steps[i as usize])).collect(),
+            order: split,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The vertices in use, packed: each has a slot, and the last takes the place of one that goes.
+
+use crate::adapt::{Dirty, DirtyRanges};
+use crate::mesh::NONE;
+
+#[derive(Debug, Clone, Default)]
+pub(super) struct Packed {
+    slot_of: Vec<u32>,
+    vertices: Vec<u32>,
+    dirty: Dirty,
+}
+
+impl Packed {
+    pub fn new(vertices: usize) -> Self {
+        Self { slot_of: vec![NONE; vertices], ..Self::default() }
+    }
+
+    /// The vertex in every slot.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    #[inline]
+    pub fn slot(&self, vertex: u32) -> u32 {
+        self.slot_of[vertex as usize]
+    }
+
+    /// The slot of a vertex, given to it where it has none.
+    #[inline]
+    pub fn take(&mut self, vertex: u32) -> u32 {
+        let slot = &mut self.slot_of[vertex as usize];
+        if *slot == NONE {
+            *slot = self.vertices.len() as u32;
+            self.dirty.mark(*slot);
+            self.vertices.push(vertex);
+        }
+        *slot
+    }
+
+    /// Frees a vertex's slot; the vertex that moved into it, if one did.
+    pub fn free(&mut self, vertex: u32) -> Option<u32> {
+        let slot = std::mem::replace(&mut self.slot_of[vertex as usize], NONE);
+        if slot == NONE {
+            return None;
+        }
+        self.vertices.swap_remove(slot as usize);
+        let moved = *self.vertices.get(slot as usize)?;
+        self.slot_of[moved as usize] = slot;
+        self.dirty.mark(slot);
+        Some(moved)
+    }
+
+    pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty.ranges(self.vertices.len(), gap)
+    }
+
+    pub fn clean(&mut self) {
+        self.dirty.clear();
+    }
+
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.slot_of[..]) + size_of_val(&self.vertices[..]) + self.dirty.memory()
+    }
+}

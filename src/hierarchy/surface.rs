@@ -1,0 +1,251 @@
+//! The mesh at a cut: triangles in a dense buffer, corners that follow splits and collapses.
+//!
+//! ```text
+//!     split     some corners of a star go to the vertex that comes back (one comparison each), and the triangles that
+//!               vanished with its collapse come back
+//!     collapse  the other way round; a triangle's place in the buffer is taken by the last one
+//! ```
+//!
+//! Source: the image of the input's triangles under a cut (Kim and Lee 2001 for the freedom of the cut); leaves are
+//! numbered depth first, so that all that a vertex brings are those from its own number on.
+
+use crate::adapt::{Dirty, DirtyRanges};
+use crate::mesh::NONE;
+
+use super::VertexHierarchy;
+use super::packed::Packed;
+use super::stars::Stars;
+
+/// The triangles at a cut, and with packed vertices those in use. Splits and collapses cost O(corners that move), and
+/// allocate only where buffers grow.
+#[derive(Debug, Clone)]
+pub struct Surface {
+    stars: Stars,
+    output: Output,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone)]
+struct Output {
+    /// Per triangle its place in its group, or `NONE`.
+    place: Vec<u32>,
+    /// One per material.
+    groups: Vec<Group>,
+    /// Slots of vertices in use; `None` where corners name vertices themselves.
+    packed: Option<Packed>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Group {
+    indices: Vec<[u32; 3]>,
+    /// Per place its triangle.
+    drawn: Vec<u32>,
+    dirty: Dirty,
+}
+
+impl Output {
+    /// Lets a corner of a drawn triangle name a vertex, by its slot if it has one.
+    #[inline]
+    fn write(&mut self, hierarchy: &VertexHierarchy, corner: u32, name: u32) {
+        let triangle = corner / 3;
+        let group = &mut self.groups[hierarchy.group_of(triangle)];
+        let at = self.place[triangle as usize];
+        group.indices[at as usize][(corner % 3) as usize] = name;
+        group.dirty.mark(at);
+    }
+
+    /// What corners call a vertex that is or comes into use.
+    #[inline]
+    fn name(&mut self, vertex: u32) -> u32 {
+        match &mut self.packed {
+            Some(packed) => packed.take(vertex),
+            None => vertex,
+        }
+    }
+}
+
+impl Surface {
+    /// The coarsest mesh. With `packed`, corners name slots of [`Surface::vertices`]; without, vertices of the hierarchy.
+    pub fn new(hierarchy: &VertexHierarchy, packed: bool) -> Self {
+        let output = Output {
+            place: vec![NONE; hierarchy.triangle_count()],
+            groups: vec![Group::default(); hierarchy.materials().len().max(1)],
+            packed: packed.then(|| Packed::new(hierarchy.vertex_count())),
+        };
+        let mut surface = Self { stars: Stars::new(hierarchy.vertex_count()), output };
+        for triangle in 0..hierarchy.first_triangle[0] {
+            surface.show(hierarchy, triangle, |_| false);
+        }
+        surface
+    }
+
+    /// Corners of the drawn triangles of a group: all of one material (in the order of
+    /// [`VertexHierarchy::materials`]), or all there are. Empty where there is no such group.
+    pub fn triangles(&self, group: usize) -> &[[u32; 3]] {
+        self.output.groups.get(group).map_or(&[], |group| &group.indices)
+    }
+
+    /// Per drawn triangle of a group its number in the hierarchy.
+    pub fn drawn(&self, group: usize) -> &[u32] {
+        self.output.groups.get(group).map_or(&[], |group| &group.drawn)
+    }
+
+    /// Number of groups, at least one.
+    pub fn groups(&self) -> usize {
+        self.output.groups.len()
+    }
+
+    /// Drawn triangles of all groups.
+    pub fn triangle_count(&self) -> usize {
+        self.output.groups.iter().map(|group| group.drawn.len()).sum()
+    }
+
+    /// The hierarchy's vertex in every slot; `None` where vertices are not packed.
+    pub fn vertices(&self) -> Option<&[u32]> {
+        self.output.packed.as_ref().map(Packed::vertices)
+    }
+
+    /// The slot of a vertex, or the vertex itself where vertices are not packed; `None` where it is not in use.
+    pub fn slot(&self, vertex: u32) -> Option<u32> {
+        match &self.output.packed {
+            Some(packed) => Some(packed.slot(vertex)).filter(|&slot| slot != NONE),
+            None => (!self.stars.of(vertex).is_empty()).then_some(vertex),
+        }
+    }
+
+    /// Triangles of a group written since [`Surface::clean`], as ranges; see [`Dirty::ranges`].
+    pub fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
+        let group = self.output.groups.get(group);
+        group.map_or_else(DirtyRanges::none, |group| group.dirty.ranges(group.drawn.len(), gap))
+    }
+
+    /// Slots written since [`Surface::clean`], as ranges; none where vertices are not packed.
+    pub fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
+        self.output.packed.as_ref().map_or_else(DirtyRanges::none, |packed| packed.dirty(gap))
+    }
+
+    /// Forgets what was written.
+    pub fn clean(&mut self) {
+        self.output.groups.iter_mut().for_each(|group| group.dirty.clear());
+        if let Some(packed) = &mut self.output.packed {
+            packed.clean();
+        }
+    }
+
+    /// Brings a split into the mesh. `there` says which splits are, this one included; all that it needs must be.
+    pub(crate) fn split(
+        &mut self,
+        hierarchy: &VertexHierarchy,
+        split: u32,
+        there: impl Fn(u32) -> bool + Copy,
+    ) {
+        let Self { stars, output } = self;
+        for &vertex in hierarchy.brings.get(split).iter().rev() {
+            let to = hierarchy.substitute[vertex as usize];
+            let mut name = NONE;
+            stars.part(to, vertex, hierarchy.first_leaf(vertex), |corner| {
+                if name == NONE {
+                    name = output.name(vertex);
+                }
+                output.write(hierarchy, corner, name);
+            });
+        }
+        for triangle in hierarchy.owned(split) {
+            self.show(hierarchy, triangle, there);
+        }
+        for &vertex in hierarchy.brings.get(split) {
+            self.release(hierarchy, hierarchy.substitute[vertex as usize]);
+        }
+    }
+
+    /// Takes a split out of the mesh again; none that needs it may be there.
+    pub(crate) fn collapse(&mut self, hierarchy: &VertexHierarchy, split: u32) {
+        for triangle in hierarchy.owned(split) {
+            self.hide(hierarchy, triangle);
+        }
+        for &vertex in hierarchy.brings.get(split) {
+            let to = hierarchy.substitute[vertex as usize];
+            let Self { stars, output } = self;
+            let mut name = NONE;
+            stars.join(vertex, to, |corner| {
+                if name == NONE {
+                    name = output.name(to);
+                }
+                output.write(hierarchy, corner, name);
+            });
+            self.release(hierarchy, vertex);
+        }
+    }
+
+    fn show(&mut self, hierarchy: &VertexHierarchy, triangle: u32, there: impl Fn(u32) -> bool) {
+        let leaves = hierarchy.triangles[triangle as usize];
+        let corners = leaves.map(|leaf| hierarchy.active(leaf, &there));
+        let names = corners.map(|vertex| self.output.name(vertex));
+        let group = &mut self.output.groups[hierarchy.group_of(triangle)];
+        let at = group.drawn.len() as u32;
+        self.output.place[triangle as usize] = at;
+        group.drawn.push(triangle);
+        group.indices.push(names);
+        group.dirty.mark(at);
+        for k in 0..3 {
+            self.stars.push(corners[k], [3 * triangle + k as u32, leaves[k]]);
+        }
+    }
+
+    fn hide(&mut self, hierarchy: &VertexHierarchy, triangle: u32) {
+        let Self { stars, output } = self;
+        let group = &mut output.groups[hierarchy.group_of(triangle)];
+        let at = std::mem::replace(&mut output.place[triangle as usize], NONE);
+        let names = group.indices.swap_remove(at as usize);
+        group.drawn.swap_remove(at as usize);
+        if let Some(&last) = group.drawn.get(at as usize) {
+            output.place[last as usize] = at;
+            group.dirty.mark(at);
+        }
+        let vertices = match &output.packed {
+            Some(packed) => names.map(|slot| packed.vertices()[slot as usize]),
+            None => names,
+        };
+        for (k, vertex) in vertices.into_iter().enumerate() {
+            stars.remove(vertex, 3 * triangle + k as u32);
+        }
+        vertices.into_iter().for_each(|vertex| self.release(hierarchy, vertex));
+    }
+
+    /// Frees the slot of a vertex that no corner names any more.
+    fn release(&mut self, hierarchy: &VertexHierarchy, vertex: u32) {
+        let Self { stars, output } = self;
+        let Some(packed) = &mut output.packed else { return };
+        if !stars.of(vertex).is_empty() {
+            return;
+        }
+        if let Some(moved) = packed.free(vertex) {
+            let slot = packed.slot(moved);
+            for entry in stars.of(moved) {
+                output.write(hierarchy, entry[0], slot);
+            }
+        }
+    }
+
+    /// Corners around a vertex: `3 * triangle + k`.
+    pub(crate) fn star(&self, vertex: u32) -> impl Iterator<Item = u32> {
+        self.stars.of(vertex).iter().map(|entry| entry[0])
+    }
+
+    /// What the corners of a triangle name, if it is drawn.
+    pub(crate) fn corners(&self, hierarchy: &VertexHierarchy, triangle: u32) -> Option<[u32; 3]> {
+        let at = *self.output.place.get(triangle as usize)?;
+        self.output.groups[hierarchy.group_of(triangle)].indices.get(at as usize).copied()
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        let groups = self.output.groups.iter().map(|group| {
+            size_of_val(&group.indices[..]) + size_of_val(&group.drawn[..]) + group.dirty.memory()
+        });
+        self.stars.memory()
+            + size_of_val(&self.output.place[..])
+            + groups.sum::<usize>()
+            + self.output.packed.as_ref().map_or(0, Packed::memory)
+    }
+}

@@ -1,0 +1,117 @@
+//! Whether a refinement is needed, and how far one can move before that may change.
+
+use super::bounds::Bounds;
+
+/// An answer with its slack: it stays the same while the eye has moved by no more than `moved` *and* turned by no more than
+/// `turned` since.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer {
+    /// Whether the refinement is needed.
+    pub refine: bool,
+    /// Object units.
+    pub moved: f64,
+    /// Radians.
+    pub turned: f64,
+}
+
+impl Answer {
+    /// Needed from everywhere.
+    pub const ALWAYS: Self = Self { refine: true, moved: f64::INFINITY, turned: f64::INFINITY };
+    /// Needed from nowhere.
+    pub const NEVER: Self = Self { refine: false, ..Self::ALWAYS };
+
+    /// An answer that must be asked for again after any motion.
+    pub fn once(refine: bool) -> Self {
+        Self { refine, moved: 0.0, turned: 0.0 }
+    }
+
+    /// Needed if both are. A yes holds while both do; a no while either does.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self.refine, other.refine) {
+            (true, true) => self.both(other),
+            (false, false) => self.longer(other),
+            (true, false) => other,
+            (false, true) => self,
+        }
+    }
+
+    /// Needed if either is.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        match (self.refine, other.refine) {
+            (true, true) => self.longer(other),
+            (false, false) => self.both(other),
+            (true, false) => self,
+            (false, true) => other,
+        }
+    }
+
+    fn both(self, other: Self) -> Self {
+        Self {
+            refine: self.refine,
+            moved: self.moved.min(other.moved),
+            turned: self.turned.min(other.turned),
+        }
+    }
+
+    /// One of the two: the one that turning wakes later, or else moving.
+    fn longer(self, other: Self) -> Self {
+        if (self.turned, self.moved) >= (other.turned, other.moved) { self } else { other }
+    }
+}
+
+/// How a criterion differs from an earlier one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Moved and turned, all else equal.
+    Moved {
+        /// Object units.
+        distance: f64,
+        /// Radians.
+        angle: f64,
+    },
+    /// Something else: no answer given before holds.
+    Other,
+}
+
+/// Which refinements are needed.
+///
+/// Must be monotone in the bounds: what is needed for some bounds is needed for bounds that
+/// [contain](Bounds::contains) them. A criterion that is not still yields a valid mesh: what is asked
+/// for is then what it and all that it builds on are asked for, as far as the cut came to ask.
+pub trait Criterion {
+    /// Whether a refinement with these bounds is needed.
+    fn needs(&self, bounds: &Bounds) -> Answer;
+
+    /// What has happened since `before`. [`Motion::Other`] is always right, and the slowest.
+    fn motion(&self, before: &Self) -> Motion;
+}
+
+/// Several views at once (split screen, shadow cascades): needed where any needs it.
+impl<C: Criterion> Criterion for [C] {
+    fn needs(&self, bounds: &Bounds) -> Answer {
+        let mut answer = Answer::NEVER;
+        for view in self {
+            answer = answer.or(view.needs(bounds));
+            if answer == Answer::ALWAYS {
+                break;
+            }
+        }
+        answer
+    }
+
+    fn motion(&self, before: &Self) -> Motion {
+        if self.len() != before.len() {
+            return Motion::Other;
+        }
+        let mut all = (0.0_f64, 0.0_f64);
+        for (now, before) in self.iter().zip(before) {
+            match now.motion(before) {
+                Motion::Moved { distance, angle } => all = (all.0.max(distance), all.1.max(angle)),
+                Motion::Other => return Motion::Other,
+            }
+        }
+        Motion::Moved { distance: all.0, angle: all.1 }
+    }
+}

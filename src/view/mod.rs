@@ -1,0 +1,26 @@
+//! Where one looks from, and how much of a mesh that asks for.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `camera.rs` | [`View`]: eye, frustum, pixels, tolerances, from plain matrices |
+//! | `object.rs` | [`ObjectView`]: the same in the space of one object, as tests need it |
+//! | `bounds.rs` | [`Bounds`]: what a refinement can change: a sphere, a cone of normals, an error |
+//! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and for how long that stays so |
+//!
+//! # Nested tests
+//!
+//! The bounds of a refinement contain those of every refinement that needs it. All tests are monotone in the bounds: what is
+//! needed for a smaller sphere, a narrower cone and a smaller error is needed for larger ones too. So a cut of needed
+//! refinements is closed, and looking at its rim is enough to find it.
+
+mod bounds;
+mod camera;
+mod criteria;
+mod matrix;
+mod object;
+
+pub use bounds::Bounds;
+pub(crate) use bounds::angle_between;
+pub use camera::{ErrorKind, Focus, View, ViewError};
+pub use criteria::{Answer, Criterion, Motion};
+pub use object::ObjectView;
