@@ -16,24 +16,33 @@
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
 //! | `instance.rs` | [`HierarchyLod`]: one drawn instance |
+//! | `builder.rs` | [`HierarchyBuilder`]: from a mesh in one call |
+//! | `bundle.rs` | [`HierarchyMesh`]: a hierarchy and its vertices, as baked to a file |
+//! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
 
 mod bounds;
 mod build;
+mod builder;
+mod bundle;
 mod context;
 mod error;
 mod instance;
 mod needs;
 mod packed;
+mod parts;
 mod stars;
 mod surface;
 mod validate;
 
 pub use build::HierarchyBuild;
+pub use builder::HierarchyBuilder;
+pub use bundle::HierarchyMesh;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
 pub use needs::Dependencies;
+pub use parts::HierarchyParts;
 pub use surface::Surface;
 
 use crate::adapt::{Cut, Refinements};
@@ -81,7 +90,11 @@ impl Lists {
 ///
 /// Vertices are numbered anew ([`HierarchyBuild::arrange`]): the input's first, so that all that one vertex stands for are
 /// consecutive; then new ones.
+///
+/// serde goes through [`HierarchyParts`] and validates ([`VertexHierarchy::validate`]).
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "HierarchyParts"))]
 pub struct VertexHierarchy {
     /// Per vertex the one that takes its place, or itself.
     substitute: Vec<u32>,
@@ -95,6 +108,7 @@ pub struct VertexHierarchy {
     parents: Lists,
     children: Lists,
     needs: Lists,
+    dependencies: Dependencies,
     bounds: Vec<Bounds>,
     roots: Vec<u32>,
     /// Corners at full resolution, as leaves: those never gone first, then by split.
@@ -117,6 +131,16 @@ impl VertexHierarchy {
     /// Number of vertices at all levels.
     pub fn vertex_count(&self) -> usize {
         self.substitute.len()
+    }
+
+    /// Number of leaves: the input's vertices that a triangle uses. They come first.
+    pub fn leaf_count(&self) -> usize {
+        self.leaves as usize
+    }
+
+    /// What splits need besides their parents.
+    pub fn dependencies(&self) -> Dependencies {
+        self.dependencies
     }
 
     /// Triangles at full resolution, degenerate ones of the input not counted.
