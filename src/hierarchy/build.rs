@@ -142,7 +142,9 @@ impl VertexHierarchy {
             group_of,
             materials,
             diagonal: mesh.diagonal(),
+            jump: Vec::new(),
         };
+        hierarchy.jump = hierarchy.jumps();
         let lonely = lonely_errors(&hierarchy, &hierarchy.brings, &forest.end, &forest.positions);
         let error: Vec<f32> = splits.error.iter().zip(&lonely).map(|(a, b)| a.max(*b)).collect();
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);

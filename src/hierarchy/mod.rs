@@ -120,6 +120,8 @@ pub struct VertexHierarchy {
     /// The material ids in use, ascending.
     materials: Vec<u32>,
     diagonal: f64,
+    /// Per vertex one far above it; empty where all chains are short.
+    jump: Vec<u32>,
 }
 
 impl VertexHierarchy {
@@ -189,17 +191,23 @@ impl VertexHierarchy {
         self.first_triangle[split as usize]..self.first_triangle[split as usize + 1]
     }
 
-    /// The vertex that stands for a leaf where those splits are in the mesh that `there` says.
+    /// The vertex that stands for a leaf where those splits are in the mesh that `there` says, a closed set. O(hops), and
+    /// O(log n) where chains are long.
     #[inline]
     fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
-        let mut vertex = leaf;
-        loop {
+        let stays = |vertex: u32| {
             let split = self.split_of[vertex as usize];
-            if split == NONE || there(split) {
-                return vertex;
-            }
-            vertex = self.substitute[vertex as usize];
+            split == NONE || there(split)
+        };
+        let mut vertex = leaf;
+        while !stays(vertex) {
+            vertex = match self.jump.get(vertex as usize) {
+                // Whoever is above one that stays, stays too.
+                Some(&far) if !stays(far) => far,
+                _ => self.substitute[vertex as usize],
+            };
         }
+        vertex
     }
 
     /// Bytes of all arrays, triangles included.
@@ -221,6 +229,7 @@ impl VertexHierarchy {
             + size_of_val(&self.first_triangle[..])
             + size_of_val(&self.group_of[..])
             + size_of_val(&self.materials[..])
+            + size_of_val(&self.jump[..])
     }
 
     /// The first of the leaves that a vertex stands for at its coarsest.

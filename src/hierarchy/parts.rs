@@ -20,10 +20,6 @@ pub struct HierarchyParts {
     pub brings_start: Vec<u32>,
     /// Per split the vertices that it brings back, in the order in which its collapse took them.
     pub brings: Vec<u32>,
-    /// Starts of `parents`.
-    pub parents_start: Vec<u32>,
-    /// Per split those that it is nested in, ascending.
-    pub parents: Vec<u32>,
     /// Starts of `needs`.
     pub needs_start: Vec<u32>,
     /// Per split those that must be in the mesh before it, besides its parents.
@@ -46,14 +42,12 @@ pub struct HierarchyParts {
 
 impl From<VertexHierarchy> for HierarchyParts {
     fn from(hierarchy: VertexHierarchy) -> Self {
-        let VertexHierarchy { substitute, first_leaf, brings, parents, needs, dependencies, .. } = hierarchy;
+        let VertexHierarchy { substitute, first_leaf, brings, needs, dependencies, .. } = hierarchy;
         Self {
             substitute,
             first_leaf,
             brings_start: brings.start,
             brings: brings.items,
-            parents_start: parents.start,
-            parents: parents.items,
             needs_start: needs.start,
             needs: needs.items,
             dependencies,
@@ -84,7 +78,7 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             first_leaf: parts.first_leaf,
             leaves: leaves.min(NONE as usize) as u32,
             brings: Lists { start: parts.brings_start, items: parts.brings },
-            parents: Lists { start: parts.parents_start, items: parts.parents },
+            parents: Lists::default(),
             children: Lists::default(),
             needs: Lists { start: parts.needs_start, items: parts.needs },
             dependencies: parts.dependencies,
@@ -95,38 +89,74 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             group_of: parts.group_of,
             materials: parts.materials,
             diagonal: parts.diagonal,
+            jump: Vec::new(),
         };
         hierarchy.check_arrays()?;
-        let Derived { split_of, children, roots } = hierarchy.derived();
-        (hierarchy.split_of, hierarchy.children, hierarchy.roots) = (split_of, children, roots);
+        let Derived { split_of, parents, children, roots } = hierarchy.derived();
+        (hierarchy.split_of, hierarchy.parents) = (split_of, parents);
+        (hierarchy.children, hierarchy.roots) = (children, roots);
         hierarchy.check_promises()?;
+        hierarchy.jump = hierarchy.jumps();
         Ok(hierarchy)
     }
 }
 
 /// What follows from the parts.
-#[derive(PartialEq)]
 pub(super) struct Derived {
     pub split_of: Vec<u32>,
+    pub parents: Lists,
     pub children: Lists,
     pub roots: Vec<u32>,
 }
 
+/// Chains up to this long are walked hop by hop.
+const SHORT: u32 = 1024;
+
 impl VertexHierarchy {
-    /// Every index must be in range. O(n).
+    /// Every index must be in range; nothing else is relied on. O(n log n).
     pub(super) fn derived(&self) -> Derived {
-        let count = self.bounds.len() as u32;
+        let count = self.bounds.len();
         let mut split_of = vec![NONE; self.substitute.len()];
-        for split in 0..count {
-            self.brings.get(split).iter().for_each(|&vertex| split_of[vertex as usize] = split);
+        // A collapse is undone after the next one that touches a vertex that it touched.
+        let mut last = vec![NONE; self.substitute.len()];
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(2 * count);
+        for split in (0..count as u32).rev() {
+            for &vertex in self.brings.get(split) {
+                split_of[vertex as usize] = split;
+                for touched in [vertex, self.substitute[vertex as usize]] {
+                    let before = std::mem::replace(&mut last[touched as usize], split);
+                    if before != NONE && before != split {
+                        edges.push([before, split]);
+                    }
+                }
+            }
         }
-        let nested =
-            (0..count).flat_map(|split| self.parents.get(split).iter().map(move |&parent| (parent, split)));
-        Derived {
-            split_of,
-            children: Lists::from_pairs(count as usize, nested),
-            roots: (0..count).filter(|&split| self.parents.get(split).is_empty()).collect(),
+        edges.sort_unstable();
+        edges.dedup();
+        let parents = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (child, parent)));
+        let children = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (parent, child)));
+        let roots = (0..count as u32).filter(|&split| parents.get(split).is_empty()).collect();
+        Derived { split_of, parents, children, roots }
+    }
+
+    /// Per vertex one far above it (Myers 1983), so that who stands for it is found in O(log n) hops; none where all chains
+    /// are short. Substitutes must form a forest. O(n).
+    pub(super) fn jumps(&self) -> Vec<u32> {
+        let count = self.substitute.len();
+        let mut depth = vec![0_u32; count];
+        let mut jump: Vec<u32> = (0..count as u32).collect();
+        for split in 0..self.bounds.len() as u32 {
+            for &vertex in self.brings.get(split).iter().rev() {
+                let above = self.substitute[vertex as usize];
+                let near = jump[above as usize];
+                let far = jump[near as usize];
+                let at = |v: u32| depth[v as usize];
+                let even = at(above) - at(near) == at(near) - at(far);
+                jump[vertex as usize] = if even { far } else { above };
+                depth[vertex as usize] = at(above) + 1;
+            }
         }
+        if depth.iter().all(|&depth| depth <= SHORT) { Vec::new() } else { jump }
     }
 }
 
@@ -141,8 +171,6 @@ impl serde::Serialize for VertexHierarchy {
             first_leaf: &'a [u32],
             brings_start: &'a [u32],
             brings: &'a [u32],
-            parents_start: &'a [u32],
-            parents: &'a [u32],
             needs_start: &'a [u32],
             needs: &'a [u32],
             dependencies: Dependencies,
@@ -158,8 +186,6 @@ impl serde::Serialize for VertexHierarchy {
             first_leaf: &self.first_leaf,
             brings_start: &self.brings.start,
             brings: &self.brings.items,
-            parents_start: &self.parents.start,
-            parents: &self.parents.items,
             needs_start: &self.needs.start,
             needs: &self.needs.items,
             dependencies: self.dependencies,

@@ -5,11 +5,11 @@
 //!     replay all collapses, fine to coarse:
 //!       who is taken, and by whom?      both are still there: so substitutes form a forest
 //!       what does it stand for?         runs of leaves that touch: so one comparison a corner tells both sides of a split
-//!       who touched either one before?  has this split among its parents: so all splits at a vertex are in one chain
 //!     every triangle comes back with the split at which the last two of its corners part
 //! ```
 //!
-//! The last follows from numbering vertices by reverse order of their collapses: the split is that of the highest number
+//! That all splits at a vertex are nested in one another is by construction: parents are derived from the same replay. The
+//! last promise follows from numbering vertices by reverse order of their collapses: the split is that of the highest number
 //! at which paths meet, and jump pointers find it, however long the chains are.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
@@ -35,22 +35,22 @@ impl VertexHierarchy {
     pub fn validate(&self) -> Result<(), HierarchyError> {
         self.check_arrays()?;
         let derived = self.derived();
-        if derived.split_of != self.split_of {
-            return broken("what brings vertices at", first_difference(&derived.split_of, &self.split_of));
+        for (what, known, found) in [
+            ("the split of vertex", &self.split_of, &derived.split_of),
+            ("the start of parents of split", &self.parents.start, &derived.parents.start),
+            ("entry of parents", &self.parents.items, &derived.parents.items),
+            ("the start of children of split", &self.children.start, &derived.children.start),
+            ("entry of children", &self.children.items, &derived.children.items),
+            ("entry of roots", &self.roots, &derived.roots),
+        ] {
+            same(what, known, found)?;
         }
-        if derived.children != self.children {
-            let at = first_difference(&derived.children.items, &self.children.items);
-            return broken("the children of splits, which are not the reverse of parents, at", at);
-        }
-        if derived.roots != self.roots {
-            return broken("the roots at", first_difference(&derived.roots, &self.roots));
-        }
-        self.check_promises()
+        self.check_promises()?;
+        same("the jump of vertex", &self.jump, &self.jumps())
     }
 
     /// All that needs nothing but [`Self::check_arrays`] and what is derived.
     pub(super) fn check_promises(&self) -> Result<(), HierarchyError> {
-        self.check_parents()?;
         self.check_collapses()?;
         self.check_needs()?;
         self.check_bounds()?;
@@ -67,7 +67,6 @@ impl VertexHierarchy {
         at_most("materials", self.materials.len(), MOST_MATERIALS)?;
         let lists = [
             (["brings", "starts of brings", "the start of brings of split"], &self.brings, vertices),
-            (["parents", "starts of parents", "the start of parents of split"], &self.parents, splits),
             (["needs", "starts of needs", "the start of needs of split"], &self.needs, splits),
         ];
         for ([items, starts, start], lists, limit) in lists {
@@ -100,18 +99,6 @@ impl VertexHierarchy {
         if is_length { Ok(()) } else { broken("the diagonal", 0) }
     }
 
-    /// Every split after its parents, and these ascending.
-    fn check_parents(&self) -> Result<(), HierarchyError> {
-        for split in 0..self.bounds.len() as u32 {
-            let parents = self.parents.get(split);
-            let ascending = parents.windows(2).all(|w| w[0] < w[1]);
-            if !ascending || parents.last().is_some_and(|&parent| parent >= split) {
-                return broken("the order of the parents of split", split as usize);
-            }
-        }
-        Ok(())
-    }
-
     /// Replays all collapses.
     fn check_collapses(&self) -> Result<(), HierarchyError> {
         for (vertex, (&to, &split)) in self.substitute.iter().zip(&self.split_of).enumerate() {
@@ -120,7 +107,6 @@ impl VertexHierarchy {
             }
         }
         let mut gone = vec![false; self.substitute.len()];
-        let mut last = vec![NONE; self.substitute.len()];
         // Where the run of each vertex ends.
         let mut end: Vec<u32> =
             (0..self.leaves).map(|leaf| leaf + 1).chain(self.first_leaf.iter().copied()).collect();
@@ -140,15 +126,6 @@ impl VertexHierarchy {
                     return broken("the run of leaves of vertex", v);
                 }
                 end[to as usize] = end[v];
-                for touched in [vertex, to] {
-                    let before = std::mem::replace(&mut last[touched as usize], split);
-                    if before != NONE
-                        && before != split
-                        && self.parents.get(before).binary_search(&split).is_err()
-                    {
-                        return broken("the nesting of split", before as usize);
-                    }
-                }
             }
         }
         Ok(())
@@ -235,8 +212,12 @@ fn first_descent(values: &[u32]) -> Option<usize> {
     values.windows(2).position(|w| w[0] > w[1]).map(|at| at + 1)
 }
 
-fn first_difference(a: &[u32], b: &[u32]) -> usize {
-    a.iter().zip(b).position(|(a, b)| a != b).unwrap_or(a.len().min(b.len()))
+fn same(what: &'static str, known: &[u32], derived: &[u32]) -> Result<(), HierarchyError> {
+    match known.iter().zip(derived).position(|(a, b)| a != b) {
+        Some(at) => broken(what, at),
+        None if known.len() != derived.len() => broken(what, known.len().min(derived.len())),
+        None => Ok(()),
+    }
 }
 
 fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), HierarchyError> {
@@ -256,4 +237,34 @@ fn in_range(what: &'static str, items: &[u32], limit: usize) -> Result<(), Hiera
 
 fn broken<T>(what: &'static str, at: usize) -> Result<T, HierarchyError> {
     Err(HierarchyError::Broken { what, at })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    /// What parts cannot break, since it is derived from them.
+    #[test]
+    fn what_is_derived_is_checked() {
+        let mesh = VertexHierarchy::builder().build(&shapes::rock(300, 1)).expect("a rock");
+        let good = (**mesh.hierarchy()).clone();
+        assert_eq!(good.validate(), Ok(()));
+        let breaks: [(&str, fn(&mut VertexHierarchy)); 8] = [
+            ("the split of vertex", |h| h.split_of[0] ^= 1),
+            ("the start of parents", |h| h.parents.start[3] += 1),
+            ("entry of parents", |h| h.parents.items[2] += 1),
+            ("the start of children", |h| h.children.start[3] += 1),
+            ("entry of children", |h| h.children.items[2] += 1),
+            ("entry of roots", |h| h.roots.push(1)),
+            ("entry of roots", |h| h.roots.clear()),
+            ("the jump of vertex", |h| h.jump.push(0)),
+        ];
+        for (why, damage) in breaks {
+            let mut bad = good.clone();
+            damage(&mut bad);
+            let said = bad.validate().expect_err(why).to_string();
+            assert!(said.starts_with(why), "{why}: {said}");
+        }
+    }
 }
