@@ -86,14 +86,14 @@ const BREAKS: [(&str, Break); 53] = [
     ("run of leaves of vertex 3", |p| p.brings.swap(3, 4)),
     ("run of leaves of vertex 1", |p| p.substitute[1] = 4),
     // Needs.
-    ("cycle of needs, split 0", |p| (p.needs_start, p.needs) = (vec![0, 1, 1, 1], vec![2])),
-    ("cycle of needs, split 1", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 2], vec![2, 1])),
-    ("cycle of needs, split 1", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 1], vec![1])),
+    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 1, 1, 1], vec![2])),
+    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 2], vec![2, 1])),
+    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 1], vec![1])),
     // Bounds.
     ("bounds of split 1", |p| p.bounds[1].radius = f32::NAN),
     ("bounds of split 1", |p| p.bounds[1].error = -1.0),
     ("bounds of split 2", |p| p.bounds[2].centre[1] = f32::INFINITY),
-    ("bounds of split 0", |p| p.bounds[2].radius = 9.0),
+    ("parents, the bounds of split 2", |p| p.bounds[2].radius = 9.0),
     // Triangles.
     ("brings back triangle 3", |p| p.triangles[3] = [2, 2, 4]),
     ("brings back triangle 0", |p| p.triangles.swap(0, 3)),

@@ -70,7 +70,7 @@ impl<M: ErrorMetric> HierarchyBuilder<M> {
         self
     }
 
-    /// In which order collapses are done. Batches make flatter hierarchies.
+    /// In which order collapses are done.
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
         self.simplifier = self.simplifier.order(order);

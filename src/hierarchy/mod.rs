@@ -135,7 +135,7 @@ impl VertexHierarchy {
         self.substitute.len()
     }
 
-    /// Number of leaves: the input's vertices that a triangle uses. They come first.
+    /// Number of leaves: the input's vertices that a triangle or a collapse uses. They come first.
     pub fn leaf_count(&self) -> usize {
         self.leaves as usize
     }

@@ -14,6 +14,7 @@
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
 use crate::simplify::lineage::{Forest, is_degenerate};
+use crate::view::Bounds;
 
 use super::build::{MOST_MATERIALS, MOST_TRIANGLES};
 use super::{Dependencies, HierarchyError, VertexHierarchy};
@@ -147,19 +148,23 @@ impl VertexHierarchy {
             }
         }
         match held.iter().position(|&held| held > 0) {
-            Some(split) => broken("in a cycle of needs, split", split),
+            Some(split) => broken("a cycle of needs that holds split", split),
             None => Ok(()),
         }
     }
 
     fn check_bounds(&self) -> Result<(), HierarchyError> {
+        let is_sound = |bounds: &Bounds| {
+            let sizes = [bounds.radius, bounds.error, bounds.parametric];
+            sizes.iter().all(|x| x.is_finite() && *x >= 0.0) && bounds.centre.iter().all(|x| x.is_finite())
+        };
+        if let Some(split) = self.bounds.iter().position(|bounds| !is_sound(bounds)) {
+            return broken("the bounds of split", split);
+        }
         for (split, bounds) in self.bounds.iter().enumerate() {
-            let numbers = [bounds.radius, bounds.error, bounds.parametric];
-            let sound = numbers.iter().all(|x| x.is_finite() && *x >= 0.0)
-                && bounds.centre.iter().all(|x| x.is_finite());
             let mut children = self.children.get(split as u32).iter();
-            if !sound || !children.all(|&child| bounds.contains(&self.bounds[child as usize])) {
-                return broken("the bounds of split", split);
+            if let Some(&child) = children.find(|&&child| !bounds.contains(&self.bounds[child as usize])) {
+                return broken("within those of its parents, the bounds of split", child as usize);
             }
         }
         Ok(())
