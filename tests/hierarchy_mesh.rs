@@ -5,7 +5,7 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, Refinements};
+use multires::adapt::LevelOfDetail;
 use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, shapes};
 use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
@@ -151,6 +151,33 @@ fn nothing_makes_nothing() {
         lod.adapt(&[view.of_world()]);
         assert_eq!(bundle.mesh_at(&lod).triangles().len(), 0);
         assert_eq!((bundle.bounds(), bundle.hierarchy().leaf_count()), (None, 0));
+    }
+}
+
+/// Larger than distances that single precision can tell, smaller, and far away: what is built is valid and comes at any cut.
+#[test]
+fn meshes_at_the_edge_of_what_is_legal() {
+    let rock = shapes::rock(400, 1);
+    for (scale, shift) in [(3e38, 0.0), (1e-38, 0.0), (1e-44, 0.0), (1.0, 1e6), (1e30, 3e38)] {
+        let place = |p: &[f32; 3]| p.map(|x| (x * scale + shift).clamp(-f32::MAX, f32::MAX));
+        let positions: Vec<[f32; 3]> = rock.positions().iter().map(place).collect();
+        let mesh = Mesh::new(positions, rock.triangles()).unwrap();
+        for placement in [Placement::Endpoint, Placement::Midpoint] {
+            let mut builder =
+                HierarchyBuilder::new().placement(placement).dependencies(Dependencies::Adjacent);
+            let bundle = builder.build(&mesh).unwrap();
+            assert_eq!(bundle.hierarchy().validate(), Ok(()), "{scale} {shift}");
+            let [mut lod, mut fresh] = instances(&bundle);
+            for far in [0.1, 0.5, 1.0] {
+                let at = |x: f32| x * scale * far + shift;
+                let camera = look_at([at(1.0), at(0.5), at(0.2)], [shift; 3], [0.0, 1.0, 0.0]);
+                let Ok(view) = View::perspective(camera, 1.0, [640, 480]) else { continue };
+                lod.adapt(&[view.of_world()]);
+                fresh.adapt(&[]);
+                fresh.adapt(&[view.of_world()]);
+                assert_eq!(bundle.mesh_at(&lod), bundle.mesh_at(&fresh));
+            }
+        }
     }
 }
 
