@@ -255,7 +255,8 @@ mod tests {
         let mesh = VertexHierarchy::builder().build(&shapes::rock(300, 1)).expect("a rock");
         let good = (**mesh.hierarchy()).clone();
         assert_eq!(good.validate(), Ok(()));
-        let breaks: [(&str, fn(&mut VertexHierarchy)); 8] = [
+        type Break = fn(&mut VertexHierarchy);
+        let breaks: [(&str, Break); 8] = [
             ("the split of vertex", |h| h.split_of[0] ^= 1),
             ("the start of parents", |h| h.parents.start[3] += 1),
             ("entry of parents", |h| h.parents.items[2] += 1),
