@@ -251,6 +251,14 @@ fn berkey_and_song() {
             }
         }
         assert!(2 * fewest < mesh.triangles().len());
+
+        // Nothing but what is near counts, however large it is on the picture.
+        let eye = [middle[0], middle[1], middle[2] + 1.2 * diagonal];
+        let view = View::perspective(look_at(eye, middle, [0.0, 1.0, 0.0]), 0.8, [4000, 4000]).unwrap();
+        lod.adapt(&[view.clone().with_silhouette_px(0.1).with_radius_test(0.1 * diagonal).of_world()]);
+        assert_eq!(bundle.mesh_at(&lod).triangles().len(), hierarchy.base_triangle_count());
+        lod.adapt(&[view.with_radius_test(9.0 * diagonal).of_world()]);
+        assert_eq!(bundle.mesh_at(&lod).triangles().len(), mesh.triangles().len());
     }
 }
 
