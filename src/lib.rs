@@ -37,13 +37,16 @@
 //! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
 //! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
 //! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances; [`TomMesh`] to bake |
+//! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh; [`HierarchyLod`] for drawn instances; [`HierarchyMesh`] to bake |
+//! | [`view`] | where one looks from, and how large an error may be on the screen: [`View`](view::View) |
+//! | [`adapt`] | how a level of detail follows the view: [`LevelOfDetail`](adapt::LevelOfDetail), the cut, ranges that changed |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | what can be wrong with arrays that are handed in |
 //!
 //! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
-//! `docs/guide/tom.md`, `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in
-//! `docs/performance.md`.
+//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/quality.md`; why things are as they are in
+//! `docs/architecture.md`; figures in `docs/performance.md`.
 //!
 //! # Features
 //!
@@ -81,6 +84,7 @@ pub mod tom;
 pub mod view;
 
 pub use error::MeshError;
+pub use hierarchy::{HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
 pub use mesh::{Attribute, Mesh};
 pub use simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier, Target};
 pub use tom::{Level, Resolution, TomCursor, TomMesh, TomSteps, TotallyOrderedMesh};
@@ -96,6 +100,8 @@ mod chapters {
     struct Simplification;
     #[doc = include_str!("../docs/guide/tom.md")]
     struct Tom;
+    #[doc = include_str!("../docs/guide/hierarchy.md")]
+    struct Hierarchy;
     #[doc = include_str!("../docs/guide/quality.md")]
     struct Quality;
 }

@@ -340,7 +340,7 @@ fn bad_usage_is_said_before_anything_is_read() {
     for (arguments, reason) in [
         (&[][..], ""),
         (&["frobnicate"], "frobnicate"),
-        (&["adapt", b, o], "adapt"),
+        (&["adapt", b, o], "--eye"),
         (&["info"], "<FILE>"),
         (&["simplify", i, o], "--triangles"),
         (&["simplify", i, o, "--triangles", "-1"], "-1"),

@@ -1,5 +1,6 @@
-//! Promise: no file makes the command line panic; and levels of every real model keep its topology, its orientation,
-//! its materials, and its surface free of new borders, flips and slivers.
+//! Promise: no file makes the command line panic; levels of every real model keep its topology, its orientation, its
+//! materials, and its surface free of new borders, flips and slivers; and what views ask for of its hierarchy keeps its topology,
+//! its materials, and its surface free of new borders.
 //!
 //! *Flipped* is said of a collapse: it turns the normal of a triangle that survives it by 90 degrees or more. A level as
 //! such has no flipped triangles where no collapse that leads to it flips any. Triangles whose area is at most 1e-6 of
@@ -75,6 +76,70 @@ fn commands(file: &Path, folder: &Folder) -> Option<(Mesh, [Mesh; 3])> {
     assert!(folder.names().is_empty());
     let [middle, base] = levels;
     Some((mesh, [simple, middle, base]))
+}
+
+/// The hierarchy of one file, through all commands: what two views ask for, and a flight. With all neighbours as
+/// dependencies every split happens in the star that the simplifier judged, so topology is kept at every cut.
+fn hierarchy(file: &Path, folder: &Folder) -> Vec<(String, Mesh)> {
+    let [baked, level, camera, frames] =
+        ["all.mres", "level.ply", "camera.csv", "frames.csv"].map(|n| folder.file(n));
+    let mut path = "frame,ex,ey,ez,tx,ty,tz\n".to_owned();
+    for frame in 0..20 {
+        let (angle, far) = (0.1 * f64::from(frame), 0.4 + 0.05 * f64::from(frame));
+        path += &format!("{frame},{},0.2,{},0,0,0\n", far * angle.sin(), far * angle.cos());
+    }
+    let mut levels = Vec::new();
+    for policy in ["neighbours", "none"] {
+        let how = format!("--structure hierarchy --dependencies {policy}");
+        let built = json("build", &[file, &baked], &how).answer();
+        let info = json("info", &[&baked], "").answer();
+        assert_eq!((&info["splits"], &info["dependencies"]), (&built["splits"], &policy.into()));
+        for view in ["--eye 0.1,0.2,0.6 --tolerance 2", "--eye -1.5,0.3,1 --tolerance 8 --silhouette 2"] {
+            let said = json("adapt", &[&baked, &level], &format!("{view} --target 0,0,0"));
+            // A box larger than single precision has no view from beyond it.
+            if said.code == Some(1) {
+                assert!(said.refusal().contains("finite"), "{file:?}");
+                continue;
+            }
+            let answer = said.answer();
+            let mesh = io::read(&level).unwrap();
+            assert_eq!(answer["output"]["triangles"], mesh.triangles().len());
+            levels.push((format!("--dependencies {policy} {view}"), mesh));
+        }
+        std::fs::write(&camera, &path).unwrap();
+        let how = format!("--path {} --csv {}", camera.display(), frames.display());
+        let said = json("fly", &[&baked], &how);
+        if said.code == Some(1) {
+            assert!(said.refusal().contains("finite"), "{file:?}");
+        } else {
+            assert_eq!(said.answer()["frames"], 20);
+            assert_eq!(std::fs::read_to_string(&frames).unwrap().lines().count(), 21);
+        }
+    }
+    for name in folder.names() {
+        std::fs::remove_file(folder.file(&name)).unwrap();
+    }
+    levels
+}
+
+/// What a view's mesh does not keep of its model, with or without dependencies.
+fn breaches_of_a_view(mesh: &Mesh, level: &Mesh, all_neighbours: bool) -> Vec<String> {
+    let [before, after] = [mesh, level].map(|mesh| Report::welded(&without_collapsed(mesh)));
+    let mut breaches = Vec::new();
+    let mut check = |holds: bool, what: &str| {
+        if !holds {
+            breaches.push(format!("{what} {before:?} {after:?}"));
+        }
+    };
+    check(after.border_edges <= before.border_edges, "border edges");
+    check(materials(level) == materials(mesh), "materials");
+    if all_neighbours {
+        check(after.euler_characteristic == before.euler_characteristic, "Euler characteristic");
+        check(after.components == before.components, "components");
+        check(after.non_manifold_edges <= before.non_manifold_edges, "non-manifold edges");
+        check(after.non_manifold_vertices <= before.non_manifold_vertices, "non-manifold vertices");
+    }
+    breaches
 }
 
 fn materials(mesh: &Mesh) -> Vec<u32> {
@@ -171,6 +236,10 @@ fn check(part: &str, refused: &[&str]) {
         };
         for (level, how) in levels.iter().zip(["--ratio 0.1", "--level 0.3", "--level 0"]) {
             let found = breaches(&mesh, level);
+            broken.extend(found.into_iter().map(|breach| format!("{name} {how}: {breach}")));
+        }
+        for (how, level) in hierarchy(&file, &folder) {
+            let found = breaches_of_a_view(&mesh, &level, how.contains("neighbours"));
             broken.extend(found.into_iter().map(|breach| format!("{name} {how}: {breach}")));
         }
         let sequence = Simplifier::new().run(&mesh).unwrap();

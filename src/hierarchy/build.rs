@@ -19,9 +19,9 @@ use super::stars::MOST_CORNERS;
 use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
 
 /// Most triangles: all may lie around one vertex.
-const MOST_TRIANGLES: usize = MOST_CORNERS;
+pub(super) const MOST_TRIANGLES: usize = MOST_CORNERS;
 /// Most different materials: a group's number is 16 bits.
-const MOST_MATERIALS: usize = 1 << 16;
+pub(super) const MOST_MATERIALS: usize = 1 << 16;
 
 /// A vertex hierarchy and how its numbers relate to the input's.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +134,7 @@ impl VertexHierarchy {
             parents: splits.parents,
             children: splits.children,
             needs: Lists { start: vec![0; count + 1], items: Vec::new() },
+            dependencies,
             bounds: Vec::new(),
             roots: splits.roots,
             triangles: corners,
@@ -141,7 +142,9 @@ impl VertexHierarchy {
             group_of,
             materials,
             diagonal: mesh.diagonal(),
+            jump: Vec::new(),
         };
+        hierarchy.jump = hierarchy.jumps();
         let lonely = lonely_errors(&hierarchy, &hierarchy.brings, &forest.end, &forest.positions);
         let error: Vec<f32> = splits.error.iter().zip(&lonely).map(|(a, b)| a.max(*b)).collect();
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);

@@ -1,7 +1,7 @@
 //! Why a vertex hierarchy could not be built, or its parts not be taken.
 
 use crate::error::MeshError;
-use crate::simplify::SequenceError;
+use crate::simplify::{OptionError, SequenceError};
 
 /// Why a [`VertexHierarchy`](super::VertexHierarchy) could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -10,6 +10,9 @@ pub enum HierarchyError {
     /// The sequence does not hold together, or belongs to another mesh.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
+    /// An option of the simplification makes no sense.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Values that do not fit the mesh they are arranged for.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -16,24 +16,33 @@
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
 //! | `instance.rs` | [`HierarchyLod`]: one drawn instance |
+//! | `builder.rs` | [`HierarchyBuilder`]: from a mesh in one call |
+//! | `bundle.rs` | [`HierarchyMesh`]: a hierarchy and its vertices, as baked to a file |
+//! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
 
 mod bounds;
 mod build;
+mod builder;
+mod bundle;
 mod context;
 mod error;
 mod instance;
 mod needs;
 mod packed;
+mod parts;
 mod stars;
 mod surface;
 mod validate;
 
 pub use build::HierarchyBuild;
+pub use builder::HierarchyBuilder;
+pub use bundle::HierarchyMesh;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
 pub use needs::Dependencies;
+pub use parts::HierarchyParts;
 pub use surface::Surface;
 
 use crate::adapt::{Cut, Refinements};
@@ -79,9 +88,13 @@ impl Lists {
 
 /// A forest of vertices with everything that refining it by view takes: immutable, shared by all instances.
 ///
-/// Vertices are numbered anew ([`HierarchyBuild::arrange`]): the input's first, so that all that one vertex stands for are
+/// Vertices are numbered anew ([`HierarchyBuild::arrange_with`]): the input's first, so that all that one vertex stands for are
 /// consecutive; then new ones.
+///
+/// serde goes through [`HierarchyParts`] and validates ([`VertexHierarchy::validate`]).
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "HierarchyParts"))]
 pub struct VertexHierarchy {
     /// Per vertex the one that takes its place, or itself.
     substitute: Vec<u32>,
@@ -95,6 +108,7 @@ pub struct VertexHierarchy {
     parents: Lists,
     children: Lists,
     needs: Lists,
+    dependencies: Dependencies,
     bounds: Vec<Bounds>,
     roots: Vec<u32>,
     /// Corners at full resolution, as leaves: those never gone first, then by split.
@@ -106,6 +120,8 @@ pub struct VertexHierarchy {
     /// The material ids in use, ascending.
     materials: Vec<u32>,
     diagonal: f64,
+    /// Per vertex one far above it; empty where all chains are short.
+    jump: Vec<u32>,
 }
 
 impl VertexHierarchy {
@@ -117,6 +133,16 @@ impl VertexHierarchy {
     /// Number of vertices at all levels.
     pub fn vertex_count(&self) -> usize {
         self.substitute.len()
+    }
+
+    /// Number of leaves: the input's vertices that a triangle or a collapse uses. They come first.
+    pub fn leaf_count(&self) -> usize {
+        self.leaves as usize
+    }
+
+    /// What splits need besides their parents.
+    pub fn dependencies(&self) -> Dependencies {
+        self.dependencies
     }
 
     /// Triangles at full resolution, degenerate ones of the input not counted.
@@ -165,17 +191,23 @@ impl VertexHierarchy {
         self.first_triangle[split as usize]..self.first_triangle[split as usize + 1]
     }
 
-    /// The vertex that stands for a leaf where those splits are in the mesh that `there` says.
+    /// The vertex that stands for a leaf where those splits are in the mesh that `there` says, a closed set. O(hops), and
+    /// O(log n) where chains are long.
     #[inline]
     fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
-        let mut vertex = leaf;
-        loop {
+        let stays = |vertex: u32| {
             let split = self.split_of[vertex as usize];
-            if split == NONE || there(split) {
-                return vertex;
-            }
-            vertex = self.substitute[vertex as usize];
+            split == NONE || there(split)
+        };
+        let mut vertex = leaf;
+        while !stays(vertex) {
+            vertex = match self.jump.get(vertex as usize) {
+                // Whoever is above one that stays, stays too.
+                Some(&far) if !stays(far) => far,
+                _ => self.substitute[vertex as usize],
+            };
         }
+        vertex
     }
 
     /// Bytes of all arrays, triangles included.
@@ -197,6 +229,7 @@ impl VertexHierarchy {
             + size_of_val(&self.first_triangle[..])
             + size_of_val(&self.group_of[..])
             + size_of_val(&self.materials[..])
+            + size_of_val(&self.jump[..])
     }
 
     /// The first of the leaves that a vertex stands for at its coarsest.

@@ -1,200 +1,236 @@
-//! Every promise of a vertex hierarchy, checked.
+//! Every promise of a vertex hierarchy, checked: after these nothing that is done with it can panic, run on, or show
+//! anything but the image of its triangles.
+//!
+//! ```text
+//!     replay all collapses, fine to coarse:
+//!       who is taken, and by whom?      both are still there: so substitutes form a forest
+//!       what does it stand for?         runs of leaves that touch: so one comparison a corner tells both sides of a split
+//!     every triangle comes back with the split at which the last two of its corners part
+//! ```
+//!
+//! That all splits at a vertex are nested in one another is by construction: parents are derived from the same replay. The
+//! last promise follows from numbering vertices by reverse order of their collapses: the split is that of the highest number
+//! at which paths meet, and jump pointers find it, however long the chains are.
 
-use crate::adapt::Refinements;
-use crate::mesh::NONE;
+use crate::mesh::{MAX_ELEMENTS, NONE};
+use crate::simplify::lineage::{Forest, is_degenerate};
+use crate::view::Bounds;
 
-use super::{HierarchyError, Lists, VertexHierarchy};
+use super::build::{MOST_MATERIALS, MOST_TRIANGLES};
+use super::{Dependencies, HierarchyError, VertexHierarchy};
+
+/// Longest diagonal of a box of finite single-precision numbers, and a length below the shortest.
+const LONGEST: f64 = 1.2e39;
+const SHORTEST: f64 = 1e-45;
 
 impl VertexHierarchy {
-    /// Checks that the structure holds together: every index in range; substitutes form a forest in which the leaves that a vertex
-    /// stands for are one run; parents and children are each other's reverse; parents and needs have no cycle; bounds are
-    /// nested; every triangle comes back with the split at which two of its corners part. O(n log n).
+    /// Checks that the structure holds together: every index in range; substitutes form a forest in which the leaves that
+    /// a vertex stands for are one run; all splits at a vertex are nested in one another; parents and needs have no cycle;
+    /// bounds are nested; every triangle comes back with the split at which two of its corners part.
+    ///
+    /// Holds for whatever [`VertexHierarchy::build`] makes; parts and files are let in through it only.
+    /// O(n log n) on any input.
     ///
     /// # Errors
     /// The first promise that is broken, and where.
     pub fn validate(&self) -> Result<(), HierarchyError> {
-        self.check_lengths()?;
-        self.check_forest()?;
-        self.check_order()?;
+        self.check_arrays()?;
+        let derived = self.derived();
+        for (what, known, found) in [
+            ("the split of vertex", &self.split_of, &derived.split_of),
+            ("the start of parents of split", &self.parents.start, &derived.parents.start),
+            ("entry of parents", &self.parents.items, &derived.parents.items),
+            ("the start of children of split", &self.children.start, &derived.children.start),
+            ("entry of children", &self.children.items, &derived.children.items),
+            ("entry of roots", &self.roots, &derived.roots),
+        ] {
+            same(what, known, found)?;
+        }
+        self.check_promises()?;
+        same("the jump of vertex", &self.jump, &self.jumps())
+    }
+
+    /// All that needs nothing but [`Self::check_arrays`] and what is derived.
+    pub(super) fn check_promises(&self) -> Result<(), HierarchyError> {
+        self.check_collapses()?;
+        self.check_needs()?;
         self.check_bounds()?;
         self.check_triangles()
     }
 
-    fn check_lengths(&self) -> Result<(), HierarchyError> {
+    /// Lengths and ranges of the arrays.
+    pub(super) fn check_arrays(&self) -> Result<(), HierarchyError> {
         let (vertices, splits, triangles) = (self.substitute.len(), self.bounds.len(), self.triangles.len());
         let leaves = self.leaves as usize;
-        expect("split of every vertex", self.split_of.len(), vertices)?;
-        expect("first leaves of new vertices", self.first_leaf.len(), vertices.wrapping_sub(leaves))?;
-        expect(
-            "groups of triangles",
-            self.group_of.len(),
-            if self.materials.len() > 1 { triangles } else { 0 },
-        )?;
-        expect("starts of splits' triangles", self.first_triangle.len(), splits + 1)?;
-        let limits = [
-            ("brings", &self.brings, vertices),
-            ("parents", &self.parents, splits),
-            ("children", &self.children, splits),
-            ("needs", &self.needs, splits),
+        at_most("vertices", vertices, 2 * MAX_ELEMENTS)?;
+        at_most("splits", splits, vertices)?;
+        at_most("triangles", triangles, MOST_TRIANGLES)?;
+        at_most("materials", self.materials.len(), MOST_MATERIALS)?;
+        let lists = [
+            (["brings", "starts of brings", "the start of brings of split"], &self.brings, vertices),
+            (["needs", "starts of needs", "the start of needs of split"], &self.needs, splits),
         ];
-        for (what, lists, limit) in limits {
-            expect(what, lists.start.len(), splits + 1)?;
-            let ends =
-                lists.start.first() == Some(&0) && lists.start.last() == Some(&(lists.items.len() as u32));
-            if !ends || !lists.start.is_sorted() {
-                return broken("a list's start", what.len());
-            }
-            in_range(what, &lists.items, limit)?;
+        for ([items, starts, start], lists, limit) in lists {
+            expect(starts, lists.start.len(), splits + 1)?;
+            check_starts(start, &lists.start, lists.items.len())?;
+            in_range(items, &lists.items, limit)?;
         }
-        in_range("roots", &self.roots, splits)?;
+        expect("starts of splits' triangles", self.first_triangle.len(), splits + 1)?;
+        if let Some(at) = first_descent(&self.first_triangle) {
+            return broken("the first triangle of split", at);
+        }
+        if self.first_triangle[splits] as usize != triangles {
+            return broken("the first triangle of split", splits);
+        }
         in_range("substitutes", &self.substitute, vertices)?;
         in_range("first leaves", &self.first_leaf, leaves)?;
         in_range("corners of triangles", self.triangles.as_flattened(), leaves)?;
+        let grouped = if self.materials.len() > 1 { triangles } else { 0 };
+        expect("groups of triangles", self.group_of.len(), grouped)?;
         if let Some(triangle) = self.group_of.iter().position(|&g| usize::from(g) >= self.materials.len()) {
             return broken("the group of triangle", triangle);
         }
-        if !self.materials.is_sorted() {
-            return broken("the order of materials at", 0);
+        if let Some(at) = self.materials.windows(2).position(|w| w[0] >= w[1]) {
+            return broken("the order of materials at", at + 1);
         }
-        if !self.first_triangle.is_sorted() || self.first_triangle.last() != Some(&(triangles as u32)) {
-            return broken("the start of splits' triangles at", 0);
+        if self.dependencies == Dependencies::None && !self.needs.items.is_empty() {
+            return expect("needs", self.needs.items.len(), 0);
         }
-        if !self.diagonal.is_finite() || self.diagonal < 0.0 {
-            return broken("the diagonal", 0);
-        }
-        Ok(())
+        let is_length = self.diagonal == 0.0 || (SHORTEST..LONGEST).contains(&self.diagonal);
+        if is_length { Ok(()) } else { broken("the diagonal", 0) }
     }
 
-    fn check_forest(&self) -> Result<(), HierarchyError> {
-        let mut split_of = vec![NONE; self.substitute.len()];
-        for split in 0..self.bounds.len() as u32 {
-            for &vertex in self.brings.get(split) {
-                if std::mem::replace(&mut split_of[vertex as usize], split) != NONE {
-                    return broken("what brings vertex", vertex as usize);
-                }
+    /// Replays all collapses.
+    fn check_collapses(&self) -> Result<(), HierarchyError> {
+        for (vertex, (&to, &split)) in self.substitute.iter().zip(&self.split_of).enumerate() {
+            if (to as usize == vertex) != (split == NONE) {
+                return broken("the substitute of vertex", vertex);
             }
         }
-        for (vertex, (&known, &found)) in self.split_of.iter().zip(&split_of).enumerate() {
-            let stays = self.substitute[vertex] as usize == vertex;
-            if known != found || stays != (found == NONE) {
-                return broken("the split of vertex", vertex);
-            }
-        }
-        // Splits from fine to coarse put together runs that touch.
-        let mut run: Vec<(u32, u32)> = (0..self.substitute.len() as u32)
-            .map(|v| if v < self.leaves { (v, v + 1) } else { (self.first_leaf(v), self.first_leaf(v)) })
-            .collect();
+        let mut gone = vec![false; self.substitute.len()];
+        // Where the run of each vertex ends.
+        let mut end: Vec<u32> =
+            (0..self.leaves).map(|leaf| leaf + 1).chain(self.first_leaf.iter().copied()).collect();
         for split in (0..self.bounds.len() as u32).rev() {
-            for &vertex in self.brings.get(split) {
-                let (part, whole) =
-                    (run[vertex as usize], &mut run[self.substitute[vertex as usize] as usize]);
-                if part.0 != self.first_leaf(vertex) || part.0 != whole.1 {
-                    return broken("the leaves of vertex", vertex as usize);
+            let brings = self.brings.get(split);
+            if brings.is_empty() {
+                return broken("what is brought by split", split as usize);
+            }
+            for &vertex in brings {
+                let (v, to) = (vertex as usize, self.substitute[vertex as usize]);
+                if self.split_of[v] != split || gone[v] || gone[to as usize] {
+                    return broken("the collapse of vertex", v);
                 }
-                whole.1 = part.1;
+                gone[v] = true;
+                let first = self.first_leaf(vertex);
+                if first == end[v] || first != end[to as usize] {
+                    return broken("the run of leaves of vertex", v);
+                }
+                end[to as usize] = end[v];
             }
         }
         Ok(())
     }
 
-    fn check_order(&self) -> Result<(), HierarchyError> {
+    /// Needs and parents together: takes away what nothing left needs until nothing is left.
+    fn check_needs(&self) -> Result<(), HierarchyError> {
         let count = self.bounds.len();
-        let pairs = |lists: &Lists, flip: bool| {
-            let mut all: Vec<[u32; 2]> = Vec::with_capacity(lists.items.len());
-            for split in 0..count as u32 {
-                all.extend(lists.get(split).iter().map(|&o| if flip { [o, split] } else { [split, o] }));
-            }
-            all.sort_unstable();
-            all
-        };
-        if pairs(&self.parents, false) != pairs(&self.children, true) {
-            return broken("the children of splits, which are not the reverse of parents, at", 0);
-        }
-        let roots = (0..count as u32).filter(|&split| self.parents.get(split).is_empty());
-        if !roots.eq(self.roots.iter().copied()) {
-            return broken("the roots at", 0);
-        }
-        for split in 0..count as u32 {
-            if self.parents(split).any(|parent| parent >= split) {
-                return broken("the place of split", split as usize);
-            }
-            // A vertex comes back only where what takes its place is there.
-            for &vertex in self.brings.get(split) {
-                let above = self.split_of[self.substitute[vertex as usize] as usize];
-                let known = above == NONE || above == split || self.reaches(split, above);
-                if !known {
-                    return broken("the parents of split", split as usize);
-                }
-            }
-        }
-        // Needs and parents together: take away what nothing left needs until nothing is left.
+        let all = |split: u32| self.parents.get(split).iter().chain(self.needs.get(split));
         let mut held = vec![0_u32; count];
-        let all = |split: u32| self.parents(split).chain(self.needs(split));
-        (0..count as u32).for_each(|split| all(split).for_each(|other| held[other as usize] += 1));
+        (0..count as u32).for_each(|split| all(split).for_each(|&other| held[other as usize] += 1));
         let mut free: Vec<u32> = (0..count as u32).filter(|&split| held[split as usize] == 0).collect();
-        let mut taken = 0;
         while let Some(split) = free.pop() {
-            taken += 1;
-            for other in all(split) {
+            for &other in all(split) {
                 held[other as usize] -= 1;
                 if held[other as usize] == 0 {
                     free.push(other);
                 }
             }
         }
-        if taken != count { broken("the needs of splits, which form a cycle, at", taken) } else { Ok(()) }
-    }
-
-    /// Whether `above` is among what `split` is nested in. Parents come before their children.
-    fn reaches(&self, split: u32, above: u32) -> bool {
-        let mut stack = vec![split];
-        while let Some(at) = stack.pop() {
-            if at == above {
-                return true;
-            }
-            stack.extend(self.parents(at).filter(|&parent| parent >= above));
+        match held.iter().position(|&held| held > 0) {
+            Some(split) => broken("a cycle of needs that holds split", split),
+            None => Ok(()),
         }
-        false
     }
 
     fn check_bounds(&self) -> Result<(), HierarchyError> {
-        for split in 0..self.bounds.len() as u32 {
-            let bounds = &self.bounds[split as usize];
-            let numbers = [bounds.radius, bounds.error, bounds.parametric];
-            let sound = numbers.iter().all(|x| x.is_finite() && *x >= 0.0)
-                && bounds.centre.iter().all(|x| x.is_finite());
-            if !sound || !self.children(split).all(|child| bounds.contains(&self.bounds[child as usize])) {
-                return broken("the bounds of split", split as usize);
+        let is_sound = |bounds: &Bounds| {
+            let sizes = [bounds.radius, bounds.error, bounds.parametric];
+            sizes.iter().all(|x| x.is_finite() && *x >= 0.0) && bounds.centre.iter().all(|x| x.is_finite())
+        };
+        if let Some(split) = self.bounds.iter().position(|bounds| !is_sound(bounds)) {
+            return broken("the bounds of split", split);
+        }
+        for (split, bounds) in self.bounds.iter().enumerate() {
+            let mut children = self.children.get(split as u32).iter();
+            if let Some(&child) = children.find(|&&child| !bounds.contains(&self.bounds[child as usize])) {
+                return broken("within those of its parents, the bounds of split", child as usize);
             }
         }
         Ok(())
     }
 
     fn check_triangles(&self) -> Result<(), HierarchyError> {
-        for (triangle, corners) in self.triangles.iter().enumerate() {
-            let owner = self.first_triangle.partition_point(|&first| first as usize <= triangle);
-            let equal = |there: &dyn Fn(u32) -> bool| {
-                let [a, b, c] = corners.map(|leaf| self.active(leaf, there));
-                a == b || b == c || c == a
-            };
-            let sound = match owner.checked_sub(1) {
-                None => !equal(&|_| false),
-                Some(owner) => {
-                    let owner = owner as u32;
-                    let needed = |other: u32| other < owner && self.reaches(owner, other);
-                    equal(&needed) && !equal(&|other| other == owner || needed(other))
+        let count = self.substitute.len();
+        let mut order: Vec<u32> =
+            (0..count as u32).filter(|&vertex| self.split_of[vertex as usize] == NONE).collect();
+        for split in 0..self.bounds.len() as u32 {
+            order.extend(self.brings.get(split).iter().rev());
+        }
+        let mut number = vec![0_u32; count];
+        order.iter().enumerate().for_each(|(i, &vertex)| number[vertex as usize] = i as u32);
+        let parents = order.iter().map(|&vertex| number[self.substitute[vertex as usize] as usize]);
+        let forest = Forest::new(parents.collect());
+
+        let base = 0..self.first_triangle[0];
+        let owned = (0..self.bounds.len() as u32).map(|split| (split, self.owned(split)));
+        for (owner, triangles) in std::iter::once((NONE, base)).chain(owned) {
+            for triangle in triangles {
+                let corners = self.triangles[triangle as usize].map(|leaf| number[leaf as usize]);
+                let parts = || match forest.vanishes(corners) {
+                    Some(number) => self.split_of[order[number as usize] as usize],
+                    None => NONE,
+                };
+                if is_degenerate(corners) || parts() != owner {
+                    return broken("the split that brings back triangle", triangle as usize);
                 }
-            };
-            if !sound {
-                return broken("the split that brings back triangle", triangle);
             }
         }
         Ok(())
     }
 }
 
+/// Starts of lists, at least one, with so many items in all.
+fn check_starts(what: &'static str, start: &[u32], items: usize) -> Result<(), HierarchyError> {
+    let last = start.len() - 1;
+    if start[0] != 0 {
+        return broken(what, 0);
+    }
+    match first_descent(start) {
+        Some(at) => broken(what, at),
+        None if start[last] as usize != items => broken(what, last),
+        None => Ok(()),
+    }
+}
+
+fn first_descent(values: &[u32]) -> Option<usize> {
+    values.windows(2).position(|w| w[0] > w[1]).map(|at| at + 1)
+}
+
+fn same(what: &'static str, known: &[u32], derived: &[u32]) -> Result<(), HierarchyError> {
+    match known.iter().zip(derived).position(|(a, b)| a != b) {
+        Some(at) => broken(what, at),
+        None if known.len() != derived.len() => broken(what, known.len().min(derived.len())),
+        None => Ok(()),
+    }
+}
+
 fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), HierarchyError> {
     if found == expected { Ok(()) } else { Err(HierarchyError::Length { what, found, expected }) }
+}
+
+fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), HierarchyError> {
+    if count <= limit { Ok(()) } else { Err(HierarchyError::TooMany { what, count, limit }) }
 }
 
 fn in_range(what: &'static str, items: &[u32], limit: usize) -> Result<(), HierarchyError> {
@@ -206,4 +242,35 @@ fn in_range(what: &'static str, items: &[u32], limit: usize) -> Result<(), Hiera
 
 fn broken<T>(what: &'static str, at: usize) -> Result<T, HierarchyError> {
     Err(HierarchyError::Broken { what, at })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    /// What parts cannot break, since it is derived from them.
+    #[test]
+    fn what_is_derived_is_checked() {
+        let mesh = VertexHierarchy::builder().build(&shapes::rock(300, 1)).expect("a rock");
+        let good = (**mesh.hierarchy()).clone();
+        assert_eq!(good.validate(), Ok(()));
+        type Break = fn(&mut VertexHierarchy);
+        let breaks: [(&str, Break); 8] = [
+            ("the split of vertex", |h| h.split_of[0] ^= 1),
+            ("the start of parents", |h| h.parents.start[3] += 1),
+            ("entry of parents", |h| h.parents.items[2] += 1),
+            ("the start of children", |h| h.children.start[3] += 1),
+            ("entry of children", |h| h.children.items[2] += 1),
+            ("entry of roots", |h| h.roots.push(1)),
+            ("entry of roots", |h| h.roots.clear()),
+            ("the jump of vertex", |h| h.jump.push(0)),
+        ];
+        for (why, damage) in breaks {
+            let mut bad = good.clone();
+            damage(&mut bad);
+            let said = bad.validate().expect_err(why).to_string();
+            assert!(said.starts_with(why), "{why}: {said}");
+        }
+    }
 }

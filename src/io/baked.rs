@@ -209,8 +209,13 @@ fn decode<T: DeserializeOwned>(payload: &[u8]) -> Result<(T, usize), BakeError> 
     under_limit!(10 12 14 16 18 20 22 24 26 28 30).map_err(|e| damaged(one_line(&e)))
 }
 
+/// What a structure said of its content, or the decoder of the bytes.
 fn one_line(error: &bincode::error::DecodeError) -> String {
-    error.to_string().replace(['\n', '\r'], " ")
+    let text = match error {
+        bincode::error::DecodeError::OtherString(reason) => reason.clone(),
+        other => other.to_string(),
+    };
+    text.replace(['\n', '\r'], " ")
 }
 
 /// FNV-1a over little-endian words of 8 bytes instead of single bytes, with the upper half folded into the lower after

@@ -7,12 +7,14 @@
 //! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
 //! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
+//! | `gather.rs` | a mesh of some vertices of another |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
 mod adjacency;
 mod attribute;
 mod edges;
+mod gather;
 mod report;
 pub mod shapes;
 mod topology;

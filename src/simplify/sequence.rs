@@ -255,7 +255,13 @@ impl CollapseSequence {
     }
 
     /// A mesh of the given vertices of this sequence.
-    fn assemble(&self, mesh: &Mesh, vertices: &[u32], triangles: Vec<[u32; 3]>, materials: Vec<u32>) -> Mesh {
+    pub(crate) fn assemble(
+        &self,
+        mesh: &Mesh,
+        vertices: &[u32],
+        triangles: Vec<[u32; 3]>,
+        materials: Vec<u32>,
+    ) -> Mesh {
         let position = |v: u32| match self.origin(v) {
             Origin::Input(v) => mesh.positions()[v as usize],
             Origin::Blend(new) => new.position,

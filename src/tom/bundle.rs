@@ -3,7 +3,7 @@
 //! Positions, attributes and locks lie in the total order, triangles and materials in the structure alone, so nothing
 //! is stored twice. Duplicates and vertices that no triangle uses are left out.
 
-use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+use crate::mesh::{Mesh, NONE};
 use crate::simplify::CollapseSequence;
 
 use super::{Level, Resolution, TomError, TotallyOrderedMesh};
@@ -29,7 +29,7 @@ impl TomMesh {
     pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, TomError> {
         let built = TotallyOrderedMesh::build(mesh, sequence)?;
         let order = &built.vertex_order[..built.tom.vertex_count()];
-        Ok(Self { mesh: gather(mesh, order, Vec::new(), Vec::new()), tom: built.tom })
+        Ok(Self { mesh: mesh.gather(order, Vec::new(), Vec::new()), tom: built.tom })
     }
 
     /// The vertices in the total order: positions, attributes, locks, and the names of materials. Has no triangles;
@@ -67,7 +67,7 @@ impl TomMesh {
             [one] => vec![one; triangles.len()],
             ref ids => self.tom.material_of[..triangles.len()].iter().map(|&m| ids[m as usize]).collect(),
         };
-        gather(&self.mesh, &used, triangles, materials)
+        self.mesh.gather(&used, triangles, materials)
     }
 
     /// Bytes of all levels of detail together: vertices and structure.
@@ -80,30 +80,6 @@ impl TomMesh {
         let material = if self.tom.material_ids.is_empty() { 0 } else { size_of::<u32>() };
         self.mesh.memory() + (size_of::<[u32; 3]>() + material) * self.tom.triangle_count()
     }
-}
-
-/// A mesh of some vertices of another, which all exist, and of triangles and materials that fit them.
-fn gather(mesh: &Mesh, order: &[u32], triangles: Vec<[u32; 3]>, materials: Vec<u32>) -> Mesh {
-    fn rows<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
-        order.iter().flat_map(|&v| &values[v as usize * width..][..width]).copied().collect()
-    }
-    let attributes = mesh.attributes().iter().map(|a| {
-        let values = match a.values() {
-            AttributeValues::Float(v) => AttributeValues::Float(rows(v, a.width(), order)),
-            AttributeValues::Int(v) => AttributeValues::Int(rows(v, a.width(), order)),
-            AttributeValues::Uint(v) => AttributeValues::Uint(rows(v, a.width(), order)),
-        };
-        Attribute::new(a.name(), a.width(), values)
-    });
-    let locks = if mesh.locks().is_empty() { Vec::new() } else { rows(mesh.locks(), 1, order) };
-    Mesh::from_trusted(
-        rows(mesh.positions(), 1, order),
-        triangles,
-        attributes.collect(),
-        materials,
-        mesh.material_names().to_vec(),
-        locks,
-    )
 }
 
 /// What comes out of a file, each valid by itself.

@@ -7,6 +7,8 @@ use glam::DVec3;
 /// Steps of the half-angle in its byte, and of an axis component.
 const ANGLE_STEPS: f64 = 255.0;
 const AXIS_STEPS: f64 = 127.0;
+/// Radius of all of space.
+const EVERYWHERE: f64 = 1e40;
 
 /// Bounds of one refinement and of all that need it: 28 bytes.
 ///
@@ -17,7 +19,7 @@ const AXIS_STEPS: f64 = 127.0;
 pub struct Bounds {
     /// Centre of the sphere, object units.
     pub centre: [f32; 3],
-    /// Radius of the sphere, object units.
+    /// Radius of the sphere, object units. `f32::MAX`: all of space, where no number is large enough.
     pub radius: f32,
     /// How far the drawn surface may be from the original where this refinement is left out, measured normal to it,
     /// object units.
@@ -57,10 +59,16 @@ impl Bounds {
         Some((axis, f64::from(angle) * (FRAC_PI_2 / ANGLE_STEPS)))
     }
 
+    /// The radius, and more than any distance between single-precision points where that is all of space.
+    #[inline]
+    pub(super) fn reach(&self) -> f64 {
+        if self.radius < f32::MAX { f64::from(self.radius) } else { EVERYWHERE }
+    }
+
     /// Whether these bounds hold `other`'s: sphere in sphere, cone in cone, no error larger.
     pub fn contains(&self, other: &Bounds) -> bool {
         let [a, b] = [self, other].map(|x| DVec3::from_array(x.centre.map(f64::from)));
-        let sphere = a.distance(b) + f64::from(other.radius) <= f64::from(self.radius);
+        let sphere = self.radius == f32::MAX || a.distance(b) + other.reach() <= self.reach();
         let cone = match (self.unpacked(), other.unpacked()) {
             (None, _) => true,
             (Some(_), None) => false,

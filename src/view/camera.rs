@@ -266,6 +266,19 @@ impl View {
         self
     }
 
+    /// Refines fully what is in the frustum and within `radius` (world units) of the eye, whichever way it faces, and nothing
+    /// else: the test of Berkey and Song (section 3.4). What a view allows errors and silhouettes then does not count. An
+    /// orthographic view has no eye and refines nothing.
+    #[must_use]
+    pub fn with_radius_test(self, radius: f32) -> Self {
+        let focus = self.eye().map(|centre| Focus { centre, radius: radius.max(0.0) });
+        self.with_tolerance_px(f32::INFINITY)
+            .with_silhouette_px(f32::INFINITY)
+            .with_back_faces_culled(false)
+            .with_frustum(true)
+            .with_focus(focus)
+    }
+
     /// Where the eye is, world units; `None` for an orthographic view.
     pub fn eye(&self) -> Option<[f32; 3]> {
         match self.eye {

@@ -3,6 +3,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `camera.rs` | [`View`]: eye, frustum, pixels, tolerances, from plain matrices |
+//! | `look_at.rs` | [`look_at`]: the matrix of a camera that looks at a point |
 //! | `object.rs` | [`ObjectView`]: the same in the space of one object, as tests need it |
 //! | `bounds.rs` | [`Bounds`]: what a refinement can change: a sphere, a cone of normals, an error |
 //! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and for how long that stays so |
@@ -16,6 +17,7 @@
 mod bounds;
 mod camera;
 mod criteria;
+mod look_at;
 mod matrix;
 mod object;
 
@@ -23,4 +25,5 @@ pub use bounds::Bounds;
 pub(crate) use bounds::angle_between;
 pub use camera::{ErrorKind, Focus, View, ViewError};
 pub use criteria::{Answer, Criterion, Motion};
+pub use look_at::look_at;
 pub use object::ObjectView;

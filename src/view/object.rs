@@ -104,7 +104,7 @@ impl ObjectView {
 
     fn place(&self, bounds: &Bounds) -> Place {
         let centre = DVec3::from_array(bounds.centre.map(f64::from));
-        let radius = f64::from(bounds.radius);
+        let radius = bounds.reach();
         match self.eye {
             Eye::At { eye, forward, .. } => {
                 let to = centre - eye;
@@ -131,7 +131,7 @@ impl ObjectView {
         }
         let centre = DVec3::from_array(bounds.centre.map(f64::from)).extend(1.0);
         let inside = self.planes[..self.plane_count].iter().map(|plane| plane.dot(centre));
-        let inside = inside.fold(f64::INFINITY, f64::min) + f64::from(bounds.radius);
+        let inside = inside.fold(f64::INFINITY, f64::min) + bounds.reach();
         // The distance from a plane changes by no more than the eye moves, and the planes turn about the eye. Half of
         // the slack for each. An orthographic view that turns is another view.
         let half = 0.5 * inside.abs();
@@ -206,9 +206,7 @@ impl ObjectView {
 
     fn in_focus(&self, bounds: &Bounds) -> Answer {
         let Some((centre, radius)) = self.focus else { return Answer::NEVER };
-        let gap = centre.distance(DVec3::from_array(bounds.centre.map(f64::from)))
-            - f64::from(bounds.radius)
-            - radius;
+        let gap = centre.distance(DVec3::from_array(bounds.centre.map(f64::from))) - bounds.reach() - radius;
         Answer { refine: gap < 0.0, moved: gap.abs(), turned: f64::INFINITY }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use multires::hierarchy::HierarchyMesh;
 use multires::io::{self, BakeError, Format, Imported, ReadError, ReadOptions};
 use multires::mesh::Mesh;
 use multires::tom::TomMesh;
@@ -20,6 +21,11 @@ pub fn read_mesh(path: &Path) -> Result<Imported, Failure> {
 /// Reads a baked totally ordered mesh.
 pub fn read_tom(path: &Path) -> Result<TomMesh, Failure> {
     io::read_baked(path, TomMesh::KIND).map_err(|error| baked(path, &error))
+}
+
+/// Reads a baked hierarchy.
+pub fn read_hierarchy(path: &Path) -> Result<HierarchyMesh, Failure> {
+    io::read_baked(path, HierarchyMesh::KIND).map_err(|error| baked(path, &error))
 }
 
 /// A reason that names the file once.
@@ -50,7 +56,7 @@ pub fn check_output(path: &Path, extension: &str) -> Result<(), Failure> {
 }
 
 /// Says before the work what would be said after it.
-fn check_place(path: &Path) -> Result<(), Failure> {
+pub fn check_place(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if path.is_dir() {
         Err(Failure::Input(format!("{}: is a folder", path.display())))

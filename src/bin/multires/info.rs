@@ -3,19 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use multires::hierarchy::{Dependencies, HierarchyMesh};
 use multires::io::{self, Format};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report};
 use multires::tom::{Resolution, TomMesh};
 use serde_json::{Value, json};
 
-use crate::files;
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
+use crate::{files, simplify};
 
 /// Tell what is in a mesh file or a baked file.
 ///
 /// For a mesh: counts, borders and non-manifold parts, as stored and with vertices at the same position welded;
 /// attributes and their widths, materials, bounds, memory. For a baked file: its kind, the finest and the coarsest
-/// level, error bounds, and memory in percent of the finest level as a plain mesh.
+/// level, and memory in percent of the finest level as a plain mesh; the error bounds of a totally ordered mesh; the splits
+/// and dependencies of a vertex hierarchy.
 #[derive(Args)]
 pub struct Info {
     /// The file.
@@ -63,6 +65,10 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
 fn baked(path: &Path) -> Result<Answer, Failure> {
     let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
     let kind = io::baked_kind(&bytes).map_err(|e| files::baked(path, &e))?;
+    if kind == HierarchyMesh::KIND {
+        let bundle = io::unbake(HierarchyMesh::KIND, &bytes).map_err(|e| files::baked(path, &e))?;
+        return Ok(baked_hierarchy(path, bytes.len(), &bundle));
+    }
     let bundle: TomMesh = io::unbake(TomMesh::KIND, &bytes).map_err(|e| files::baked(path, &e))?;
     let tom = bundle.tom();
     let finest = bundle.mesh_at(tom.finest());
@@ -101,6 +107,79 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
     let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
     table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
     Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+}
+
+fn baked_hierarchy(path: &Path, bytes: usize, bundle: &HierarchyMesh) -> Answer {
+    let ids = bundle.hierarchy().materials();
+    let name = |id: u32| bundle.vertices().material_names().get(id as usize);
+    let materials: Vec<Value> = ids.iter().map(|&id| json!({ "id": id, "name": name(id) })).collect();
+    let mut json = json!({
+        "file": path.display().to_string(),
+        "format": "mres",
+        "kind": HierarchyMesh::KIND,
+        "version": io::BAKED_VERSION,
+        "bytes": bytes,
+        "attributes": attributes(bundle.vertices()),
+        "materials": materials,
+        "bounds": bundle.bounds(),
+        "diagonal": bundle.hierarchy().diagonal(),
+    });
+    simplify::add(&mut json, hierarchy(bundle));
+
+    let mut table = Table::default();
+    table.row("file", path.display());
+    let version = io::BAKED_VERSION;
+    table.row("kind", format!("{}, format version {version}, {bytes} bytes", HierarchyMesh::KIND));
+    hierarchy_rows(&mut table, bundle);
+    common_rows(&mut table, bundle.vertices());
+    if !ids.is_empty() {
+        table.row("materials", ids.len());
+    }
+    Answer { json, text: table.text(), warnings: Vec::new() }
+}
+
+/// What a hierarchy is, for JSON.
+pub fn hierarchy(bundle: &HierarchyMesh) -> [(&'static str, Value); 8] {
+    let hierarchy = bundle.hierarchy();
+    let leaves = hierarchy.leaf_count();
+    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
+    let overhead = (leaves > 0).then(|| hierarchy.overhead() as f64 / leaves as f64);
+    [
+        ("splits", json!(hierarchy.split_count())),
+        ("vertices", json!({ "finest": leaves, "all": hierarchy.vertex_count() })),
+        ("triangles", json!(hierarchy.triangle_count())),
+        ("base_triangles", json!(hierarchy.base_triangle_count())),
+        ("dependencies", json!(dependencies(hierarchy.dependencies()))),
+        ("memory", json!(bundle.memory())),
+        ("memory_percent", json!(share)),
+        // Bytes a vertex of the finest level, beyond the plain mesh's triangles.
+        ("structure_bytes_per_vertex", json!(overhead)),
+    ]
+}
+
+/// The same for people.
+pub fn hierarchy_rows(table: &mut Table, bundle: &HierarchyMesh) {
+    let hierarchy = bundle.hierarchy();
+    let (leaves, triangles) = (hierarchy.leaf_count(), hierarchy.triangle_count());
+    table.row("finest", format!("{leaves} vertices, {triangles} triangles"));
+    table.row("coarsest", format!("{} triangles", hierarchy.base_triangle_count()));
+    let made = hierarchy.vertex_count() - leaves;
+    table.row("splits", format!("{}, {made} new vertices", hierarchy.split_count()));
+    table.row("dependencies", dependencies(hierarchy.dependencies()));
+    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
+    let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
+    let each = hierarchy.overhead() as f64 / leaves.max(1) as f64;
+    let memory = bundle.memory();
+    table.row("memory", format!("{memory} bytes, {share} % of the plain mesh; structure {each:.1} a vertex"));
+}
+
+fn dependencies(dependencies: Dependencies) -> &'static str {
+    match dependencies {
+        Dependencies::None => "none",
+        Dependencies::Adjacent => "adjacent",
+        Dependencies::Neighbours => "neighbours",
+        _ => "other",
+    }
 }
 
 /// A resolution for JSON.

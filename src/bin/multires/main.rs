@@ -6,22 +6,28 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `measure.rs` | one command each: its arguments, what it does, its answer |
+//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | one command each: its arguments, what it does, its answer |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
 //! | `rules.rs` | how to simplify: what `simplify` and `build` have in common |
+//! | `camera.rs` | how to look: what `adapt` and `fly` have in common |
+//! | `path.rs` | camera paths as text |
 //! | `files.rs` | what is read and written, checked before the work starts |
 //! | `output.rs` | [`Answer`](output::Answer), [`Failure`](output::Failure), exit codes |
 //! | `progress.rs` | a bar on stderr, where that is a terminal |
 
+mod adapt;
 mod build;
+mod camera;
 mod extract;
 mod files;
+mod fly;
 mod info;
 mod lettering;
 mod measure;
 mod output;
 mod paint;
+mod path;
 mod progress;
 mod rules;
 mod simplify;
@@ -32,8 +38,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use output::{Failure, Run};
 
-/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, take any level
-/// out again, and measure how far two meshes differ.
+/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, take any level,
+/// or what a view asks for, out again, and measure how far two meshes differ.
 ///
 /// Mesh files are .obj, .ply, .stl, .off, .glb and .gltf, baked ones .mres. Exit codes: 0 done, 1 bad input (one line
 /// on stderr says why), 2 bad usage. An output file is written whole or not at all.
@@ -53,6 +59,8 @@ enum Command {
     Simplify(simplify::Simplify),
     Build(build::Build),
     Extract(extract::Extract),
+    Adapt(adapt::Adapt),
+    Fly(fly::Fly),
     Measure(measure::Measure),
 }
 
@@ -66,6 +74,8 @@ fn main() -> ExitCode {
         Command::Simplify(command) => command,
         Command::Build(command) => command,
         Command::Extract(command) => command,
+        Command::Adapt(command) => command,
+        Command::Fly(command) => command,
         Command::Measure(command) => command,
     };
     match command.run() {

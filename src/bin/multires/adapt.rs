@@ -1,0 +1,113 @@
+//! `multires adapt`: what a view asks for out of a baked hierarchy.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use multires::adapt::{Change, LevelOfDetail};
+use multires::hierarchy::HierarchyLod;
+use multires::view::ObjectView;
+use serde_json::json;
+
+use crate::camera::{Camera, Point, point};
+use crate::files;
+use crate::output::{Answer, Failure, Run, Table, percent};
+
+/// Write what a view asks for of a baked hierarchy as a mesh.
+///
+/// Fine where the view needs it, coarse where it is far, outside the picture or faces away. Baked hierarchies are made by
+/// `build --structure hierarchy`.
+#[derive(Args)]
+pub struct Adapt {
+    /// The baked file.
+    #[arg(value_name = "IN.mres")]
+    input: PathBuf,
+    /// The mesh file to write.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Where the eye is.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    eye: Point,
+    /// What it looks at.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    target: Point,
+    #[command(flatten)]
+    camera: Camera,
+    /// At most so many triangles, the base mesh's at least: tolerances are made as much larger as that takes.
+    #[arg(long, value_name = "N")]
+    budget: Option<usize>,
+}
+
+/// Halvings of the logarithm of how much coarser a budget makes a view, and the largest such logarithm to base 2.
+const HALVINGS: usize = 30;
+const COARSEST: f64 = 64.0;
+
+/// Adapts, as coarse as a budget asks for. By how much tolerances were multiplied, and what it did.
+fn adapt(lod: &mut HierarchyLod, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
+    let mut at = |octaves: f64| lod.adapt(&[view.coarsened(octaves.exp2())]);
+    let change = at(0.0);
+    let budget = budget.unwrap_or(usize::MAX);
+    if change.triangles <= budget {
+        return (1.0, change);
+    }
+    let (mut fine, mut coarse) = (0.0, COARSEST);
+    for _ in 0..HALVINGS {
+        let middle = (fine + coarse) * 0.5;
+        if at(middle).triangles <= budget { coarse = middle } else { fine = middle }
+    }
+    (coarse.exp2(), at(coarse))
+}
+
+impl Run for Adapt {
+    fn run(&self) -> Result<Answer, Failure> {
+        files::check_mesh_output(&self.output)?;
+        let model = files::read_hierarchy(&self.input)?;
+        let place = self.camera.place(&model);
+        let view = self.camera.view(&place, self.eye, self.target)?;
+
+        let mut lod = HierarchyLod::new(model.hierarchy().clone());
+        let start = Instant::now();
+        let (factor, change) = adapt(&mut lod, &view, self.budget);
+        let seconds = start.elapsed().as_secs_f64();
+        let mesh = model.mesh_at(&lod);
+        files::write_mesh(&self.output, &mesh)?;
+
+        let all = model.hierarchy().triangle_count();
+        let of = percent(mesh.triangles().len() as f64, all as f64);
+        let splits = (0..model.hierarchy().split_count() as u32).filter(|&s| lod.cut().holds(s)).count();
+        let mut warnings = Vec::new();
+        if self.budget.is_some_and(|budget| change.triangles > budget) {
+            warnings.push(format!("{} triangles is as coarse as this view gets", change.triangles));
+        }
+        let json = json!({
+            "command": "adapt",
+            "input": {
+                "path": self.input.display().to_string(),
+                "bytes": files::size(&self.input),
+                "triangles": all,
+                "base_triangles": model.hierarchy().base_triangle_count(),
+            },
+            "output": files::describe(&self.output, &mesh),
+            "eye": self.eye,
+            "target": self.target,
+            "view": self.camera.describe(),
+            "budget": self.budget,
+            "coarsened": factor,
+            "ratio": of.map(|p| p / 100.0),
+            "splits": splits,
+            "tests": change.cut.tests,
+            "seconds": seconds,
+            "warnings": warnings,
+        });
+        let mut table = Table::default();
+        table.row("input", format!("{}: {all} triangles", self.input.display()));
+        table.row("output", files::describe_text(&self.output, &mesh));
+        table.row("of the finest", format!("{:.2} % of the triangles", of.unwrap_or(100.0)));
+        table.row("view", self.camera.describe_text());
+        if factor > 1.0 {
+            table.row("tolerances", format!("{factor:.3} times as large, for the budget"));
+        }
+        table.row("tests, splits", format!("{}, {splits}", change.cut.tests));
+        Ok(Answer { json, text: table.text(), warnings })
+    }
+}

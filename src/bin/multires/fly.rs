@@ -1,0 +1,168 @@
+//! `multires fly`: a camera path over a baked hierarchy, measured frame by frame.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use multires::adapt::LevelOfDetail;
+use multires::hierarchy::{HierarchyLod, HierarchyMesh};
+use multires::io::atomic;
+use serde_json::{Value, json};
+
+use crate::camera::Camera;
+use crate::files;
+use crate::output::{Answer, Failure, Run, Table};
+use crate::path;
+
+/// Fly along a camera path over a baked hierarchy, and write what every frame drew and cost.
+///
+/// One row a frame: frame, triangles and vertices drawn; tests, splits and collapses made; microseconds they took; bytes
+/// of buffers that changed and have to be uploaded. The first frame starts from the base mesh, all of it new.
+#[derive(Args)]
+pub struct Fly {
+    /// The baked file.
+    #[arg(value_name = "IN.mres")]
+    input: PathBuf,
+    /// The camera path: # comments, a header line, then frame, eye x y z, target x y z, with commas.
+    #[arg(long, value_name = "CAMERA.csv")]
+    path: PathBuf,
+    #[command(flatten)]
+    camera: Camera,
+    /// Keep the vertices in use packed in a buffer of their own, instead of all in one that never changes.
+    #[arg(long)]
+    packed: bool,
+    /// The table to write.
+    #[arg(long, value_name = "FRAMES.csv")]
+    csv: PathBuf,
+}
+
+/// Columns of the table, after the frame's number.
+const COLUMNS: [&str; 7] =
+    ["triangles", "vertices", "tests", "splits", "collapses", "microseconds", "bytes_changed"];
+
+/// Counts the vertices that an instance draws.
+struct Used {
+    /// Per vertex the frame that last drew it.
+    seen: Vec<u32>,
+    frame: u32,
+}
+
+impl Used {
+    fn count(&mut self, lod: &HierarchyLod) -> usize {
+        if let Some(vertices) = lod.vertices() {
+            return vertices.len();
+        }
+        self.frame += 1;
+        let mut count = 0;
+        for group in 0..lod.groups() {
+            for &vertex in lod.triangles(group).as_flattened() {
+                let seen = &mut self.seen[vertex as usize];
+                count += usize::from(*seen != self.frame);
+                *seen = self.frame;
+            }
+        }
+        count
+    }
+}
+
+/// Bytes written since the last call.
+fn bytes_changed(lod: &mut HierarchyLod, per_vertex: usize) -> usize {
+    let triangles = (0..lod.groups()).flat_map(|group| lod.dirty_triangles(group, 0));
+    let triangles: usize = triangles.map(|range| range.len()).sum();
+    let vertices: usize = lod.dirty_vertices(0).map(|range| range.len()).sum();
+    lod.clean();
+    triangles * size_of::<[u32; 3]>() + vertices * per_vertex
+}
+
+/// Mean, median, 99th percentile (nearest rank) and maximum.
+fn summary(mut values: Vec<f64>) -> [f64; 4] {
+    values.sort_unstable_by(f64::total_cmp);
+    let rank = |share: f64| {
+        let at = (share * values.len() as f64).ceil() as usize;
+        values.get(at.max(1) - 1).copied().unwrap_or(0.0)
+    };
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    [mean, rank(0.5), rank(0.99), rank(1.0)]
+}
+
+impl Fly {
+    /// The columns of every frame, and the frame's number before them.
+    fn frames(&self, model: &HierarchyMesh, poses: &[path::Pose]) -> Result<Vec<(u64, [f64; 7])>, Failure> {
+        let place = self.camera.place(model);
+        let per_vertex = crate::rules::bytes_per_vertex(model.vertices());
+        let shared = model.hierarchy().clone();
+        let mut lod = if self.packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
+        let mut used = Used { seen: vec![0; model.hierarchy().vertex_count()], frame: 0 };
+        let mut rows = Vec::with_capacity(poses.len());
+        for pose in poses {
+            let view = self.camera.view(&place, pose.eye, pose.target);
+            let view = view.map_err(|failure| match failure {
+                Failure::Input(reason) => Failure::Input(format!("frame {}: {reason}", pose.frame)),
+                usage => usage,
+            })?;
+            let start = Instant::now();
+            let change = lod.adapt(&[view]);
+            let microseconds = start.elapsed().as_secs_f64() * 1e6;
+            let counts = [change.triangles, used.count(&lod), change.cut.tests, change.cut.splits];
+            let [triangles, vertices, tests, splits] = counts.map(|count| count as f64);
+            let bytes = bytes_changed(&mut lod, per_vertex) as f64;
+            let collapses = change.cut.collapses as f64;
+            rows.push((pose.frame, [triangles, vertices, tests, splits, collapses, microseconds, bytes]));
+        }
+        Ok(rows)
+    }
+}
+
+impl Run for Fly {
+    fn run(&self) -> Result<Answer, Failure> {
+        files::check_place(&self.csv)?;
+        let poses = path::read(&self.path)?;
+        let model = files::read_hierarchy(&self.input)?;
+        let rows = self.frames(&model, &poses)?;
+
+        let mut csv = format!("frame,{}\n", COLUMNS.join(","));
+        for (frame, row) in &rows {
+            let _ = write!(csv, "{frame}");
+            for (name, value) in COLUMNS.iter().zip(row) {
+                let digits = if *name == "microseconds" { 3 } else { 0 };
+                let _ = write!(csv, ",{value:.digits$}");
+            }
+            csv.push('\n');
+        }
+        atomic::write(&self.csv, csv.as_bytes())
+            .map_err(|error| Failure::Input(format!("{}: {error}", self.csv.display())))?;
+
+        let mut table = Table::default();
+        table.row(
+            "input",
+            format!("{}: {} triangles", self.input.display(), model.hierarchy().triangle_count()),
+        );
+        table.row("output", format!("{}: {} frames", self.csv.display(), rows.len()));
+        table.row("view", self.camera.describe_text());
+        table.row("", format!("{:>12} {:>12} {:>12} {:>12}", "mean", "median", "99 %", "most"));
+        let mut columns = serde_json::Map::new();
+        for (i, name) in COLUMNS.into_iter().enumerate() {
+            let [mean, median, p99, max] = summary(rows.iter().map(|(_, row)| row[i]).collect());
+            table.row(name, format!("{mean:>12.1} {median:>12.1} {p99:>12.1} {max:>12.1}"));
+            let value: Value = json!({ "mean": mean, "median": median, "p99": p99, "max": max });
+            columns.insert(name.to_owned(), value);
+        }
+        let json = json!({
+            "command": "fly",
+            "input": {
+                "path": self.input.display().to_string(),
+                "bytes": files::size(&self.input),
+                "triangles": model.hierarchy().triangle_count(),
+                "base_triangles": model.hierarchy().base_triangle_count(),
+            },
+            "path": self.path.display().to_string(),
+            "output": { "path": self.csv.display().to_string(), "bytes": files::size(&self.csv) },
+            "view": self.camera.describe(),
+            "packed": self.packed,
+            "frames": rows.len(),
+            "columns": columns,
+        });
+        Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+    }
+}

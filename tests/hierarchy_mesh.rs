@@ -1,0 +1,354 @@
+//! Promise: a hierarchy with its vertices draws, at every cut, the image of its mesh with all that the mesh has; comes back
+//! from a file equal, and not from what does not fit; and is made by one call.
+
+mod support;
+
+use std::sync::Arc;
+
+use multires::adapt::LevelOfDetail;
+use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
+use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, shapes};
+use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
+use multires::view::{Motion, View, look_at};
+use proptest::prelude::*;
+use support::cuts::{Random, drawn};
+
+const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+
+/// All that a vertex has.
+fn words(mesh: &Mesh, v: usize) -> Vec<u32> {
+    let mut words: Vec<u32> = mesh.positions()[v].iter().map(|x| (x + 0.0).to_bits()).collect();
+    for a in mesh.attributes() {
+        let range = v * a.width()..(v + 1) * a.width();
+        match a.values() {
+            AttributeValues::Float(all) => words.extend(all[range].iter().map(|x| x.to_bits())),
+            AttributeValues::Uint(all) => words.extend(&all[range]),
+            AttributeValues::Int(all) => words.extend(all[range].iter().map(|&x| x as u32)),
+            _ => {}
+        }
+    }
+    words.push(u32::from(mesh.locks().get(v).copied().unwrap_or(false)));
+    words
+}
+
+/// All that every triangle has, lowest corner first, sorted: equal for meshes that differ in order only.
+fn content(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
+    let triangles = mesh.triangles().iter().enumerate().map(|(t, corners)| {
+        let mut corners = corners.map(|v| words(mesh, v as usize));
+        let lowest = (0..3).min_by_key(|&i| &corners[i]).unwrap_or(0);
+        corners.rotate_left(lowest);
+        (corners, mesh.materials().get(t).copied().unwrap_or(0))
+    });
+    let mut content: Vec<_> = triangles.collect();
+    content.sort_unstable();
+    content
+}
+
+/// Without triangles of two equal corners, which are not drawn.
+fn whole(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
+    let mut content = content(mesh);
+    content.retain(|(c, _)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
+    content
+}
+
+fn is_compact(mesh: &Mesh) -> bool {
+    let mut used = vec![false; mesh.positions().len()];
+    mesh.indices().iter().for_each(|&v| used[v as usize] = true);
+    used.iter().all(|&u| u)
+}
+
+/// Attributes of every kind, wedges told apart, some locks.
+fn dressed(mesh: Mesh) -> Mesh {
+    let count = mesh.positions().len();
+    let tint: Vec<[f32; 2]> = (0..count).map(|v| [v as f32, -1.0 / (v + 1) as f32]).collect();
+    let wedges = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
+    mesh.with_attribute(Attribute::floats("tint", &tint))
+        .and_then(|m| m.with_attribute(Attribute::new("wedge", 1, wedges)))
+        .and_then(|m| m.with_locks((0..count).map(|v| v % 5 == 0).collect::<Vec<_>>()))
+        .unwrap()
+        .with_material_names(["stone", "moss"].map(str::to_owned))
+}
+
+fn instances(bundle: &HierarchyMesh) -> [HierarchyLod; 2] {
+    let shared = bundle.hierarchy();
+    [HierarchyLod::new(shared.clone()), HierarchyLod::packed(shared.clone())]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// The finest and the coarsest cut are the sequence's; those between have the attributes of the vertices they draw.
+    #[test]
+    fn meshes_at_cuts_have_all_that_the_mesh_has(
+        (mesh, sequence) in support::any_placement(),
+        policy in 0usize..3,
+        seed in any::<u64>(),
+    ) {
+        let wedges = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
+        let mesh = mesh.with_attribute(Attribute::new("wedge", 1, wedges)).unwrap();
+        let bundle = HierarchyMesh::new(&mesh, &sequence, POLICIES[policy]).unwrap();
+        prop_assert!(bundle.vertices().triangles().is_empty());
+        let [mut fixed, mut packed] = instances(&bundle);
+        prop_assert_eq!(whole(&bundle.mesh_at(&fixed)), whole(&sequence.extract(&mesh, sequence.len())));
+        for (step, share) in [100, 60, 30].into_iter().enumerate() {
+            let asked = Random::new(bundle.hierarchy(), seed ^ step as u64, share);
+            let mut meshes = Vec::new();
+            for lod in [&mut fixed, &mut packed] {
+                lod.adapt_by(&asked, Motion::Other);
+                let at = bundle.mesh_at(lod);
+                prop_assert!(is_compact(&at));
+                let vertices: Vec<[Vec<u32>; 3]> =
+                    drawn(lod).iter().map(|(_, t)| t.map(|v| words(bundle.vertices(), v as usize))).collect();
+                let shown: Vec<[Vec<u32>; 3]> =
+                    at.triangles().iter().map(|t| t.map(|v| words(&at, v as usize))).collect();
+                prop_assert_eq!(vertices, shown);
+                meshes.push(at);
+            }
+            prop_assert_eq!(&meshes[0], &meshes[1]);
+            if share == 100 {
+                prop_assert_eq!(content(&meshes[0]), whole(&sequence.extract(&mesh, 0)));
+                prop_assert_eq!(bundle.bounds(), meshes[0].bounds());
+                let triangles = bundle.hierarchy().triangle_count();
+                prop_assert_eq!(triangles, meshes[0].triangles().len());
+                // Vertices that collapses name but no triangle uses are leaves too.
+                prop_assert!(bundle.plain_memory() >= meshes[0].memory());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_keeps_all_it_has() {
+    let mesh = shapes::demo();
+    let mesh = mesh
+        .clone()
+        .with_locks((0..mesh.positions().len()).map(|v| v % 97 == 0).collect::<Vec<_>>())
+        .unwrap();
+    for placement in [Placement::Endpoint, Placement::Optimal] {
+        let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
+        let bundle = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
+        let [mut lod, _] = instances(&bundle);
+        assert!(content(&bundle.mesh_at(&lod)) == content(&sequence.extract(&mesh, sequence.len())));
+        assert_eq!(bundle.mesh_at(&lod).material_names(), mesh.material_names());
+        lod.adapt_by(&Random::new(bundle.hierarchy(), 1, 100), Motion::Other);
+        let finest = bundle.mesh_at(&lod);
+        assert!(content(&finest) == content(&mesh));
+        assert_eq!(bundle.plain_memory(), finest.memory());
+        // Another instance of what is equal is taken, one of another mesh is not.
+        let twin = HierarchyLod::new(Arc::new(VertexHierarchy::clone(bundle.hierarchy())));
+        assert!(!bundle.mesh_at(&twin).triangles().is_empty());
+        let other = HierarchyBuilder::new().build(&shapes::rock(100, 1)).unwrap();
+        assert_eq!(bundle.mesh_at(&HierarchyLod::new(other.hierarchy().clone())), Mesh::default());
+    }
+}
+
+#[test]
+fn nothing_makes_nothing() {
+    for mesh in [Mesh::default(), Mesh::new([[0.0; 3]; 3], [[0, 1, 1]]).unwrap()] {
+        let bundle = HierarchyBuilder::new().build(&mesh).unwrap();
+        let [mut lod, _] = instances(&bundle);
+        let view = View::perspective(look_at([0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]), 1.0, [8, 8]).unwrap();
+        lod.adapt(&[view.of_world()]);
+        assert_eq!(bundle.mesh_at(&lod).triangles().len(), 0);
+        assert_eq!((bundle.bounds(), bundle.hierarchy().leaf_count()), (None, 0));
+    }
+}
+
+/// Larger than distances that single precision can tell, smaller, and far away: what is built is valid and comes at any cut.
+#[test]
+fn meshes_at_the_edge_of_what_is_legal() {
+    let rock = shapes::rock(400, 1);
+    for (scale, shift) in [(3e38, 0.0), (1e-38, 0.0), (1e-44, 0.0), (1.0, 1e6), (1e30, 3e38)] {
+        let place = |p: &[f32; 3]| p.map(|x| (x * scale + shift).clamp(-f32::MAX, f32::MAX));
+        let positions: Vec<[f32; 3]> = rock.positions().iter().map(place).collect();
+        let mesh = Mesh::new(positions, rock.triangles()).unwrap();
+        for placement in [Placement::Endpoint, Placement::Midpoint] {
+            let mut builder =
+                HierarchyBuilder::new().placement(placement).dependencies(Dependencies::Adjacent);
+            let bundle = builder.build(&mesh).unwrap();
+            assert_eq!(bundle.hierarchy().validate(), Ok(()), "{scale} {shift}");
+            let [mut lod, mut fresh] = instances(&bundle);
+            for far in [0.1, 0.5, 1.0] {
+                let at = |x: f32| x * scale * far + shift;
+                let camera = look_at([at(1.0), at(0.5), at(0.2)], [shift; 3], [0.0, 1.0, 0.0]);
+                let Ok(view) = View::perspective(camera, 1.0, [640, 480]) else { continue };
+                lod.adapt(&[view.of_world()]);
+                fresh.adapt(&[]);
+                fresh.adapt(&[view.of_world()]);
+                assert_eq!(bundle.mesh_at(&lod), bundle.mesh_at(&fresh));
+            }
+        }
+    }
+}
+
+/// The builder does what its parts do one by one.
+#[test]
+fn one_call_is_all_calls() {
+    let mesh = dressed(shapes::rock(2_000, 4));
+    let sequence = Simplifier::new()
+        .metric(metric::VolumeArea::new())
+        .placement(Placement::Optimal)
+        .order(Order::Batched)
+        .run(&mesh)
+        .unwrap();
+    let by_hand = HierarchyMesh::new(&mesh, &sequence, Dependencies::Adjacent).unwrap();
+    let built = VertexHierarchy::builder()
+        .dependencies(Dependencies::Adjacent)
+        .metric(metric::VolumeArea::new())
+        .placement(Placement::Optimal)
+        .order(Order::Batched)
+        .build(&mesh)
+        .unwrap();
+    assert_eq!(built, by_hand);
+    assert_eq!(built.hierarchy().dependencies(), Dependencies::Adjacent);
+    let bad = Simplifier::new().join_distance(-1.0);
+    assert!(HierarchyBuilder::new().simplifier(bad).build(&mesh).unwrap_err().to_string().contains("join"));
+}
+
+/// Berkey and Song's system, on closed and open meshes: what is near and in the picture is at full resolution, the rest
+/// coarse, and topology is kept at every frame.
+#[test]
+fn berkey_and_song() {
+    for mesh in [shapes::rock(4_000, 2), shapes::terrain(48, 3), shapes::moebius(80)] {
+        let bundle = HierarchyBuilder::berkey_song().build(&mesh).unwrap();
+        let hierarchy = bundle.hierarchy();
+        assert_eq!(hierarchy.dependencies(), Dependencies::Neighbours);
+        let before = Report::welded(&mesh);
+        let diagonal = mesh.diagonal() as f32;
+        let [low, high] = mesh.bounds().unwrap();
+        let middle: [f32; 3] = std::array::from_fn(|i| (low[i] + high[i]) * 0.5);
+        let mut lod = HierarchyLod::new(hierarchy.clone());
+        let mut fewest = usize::MAX;
+        for frame in 0..24 {
+            let angle = frame as f32 * 0.3;
+            let eye = [
+                middle[0] + 0.6 * diagonal * angle.cos(),
+                middle[1] + 0.2 * diagonal,
+                middle[2] + 0.6 * diagonal * angle.sin(),
+            ];
+            let radius = 0.45 * diagonal;
+            let matrix = look_at(eye, middle, [0.0, 1.0, 0.0]);
+            let view = View::perspective(matrix, 0.8, [100, 100]).unwrap().with_radius_test(radius);
+            lod.adapt(&[view.of_world()]);
+            let at = bundle.mesh_at(&lod);
+            let after = Report::welded(&at);
+            assert_eq!(after.euler_characteristic, before.euler_characteristic);
+            assert_eq!(after.components, before.components);
+            assert!(after.border_edges <= before.border_edges && after.is_manifold() == before.is_manifold());
+            fewest = fewest.min(at.triangles().len());
+
+            // A leaf in sight and near is drawn as itself.
+            let clip = |p: [f32; 3]| -> [f32; 3] {
+                std::array::from_fn(|row| (0..3).map(|c| matrix[c][row] * p[c]).sum::<f32>() + matrix[3][row])
+            };
+            let half = (0.4f32).tan();
+            for (leaf, &p) in bundle.vertices().positions()[..hierarchy.leaf_count()].iter().enumerate() {
+                let [x, y, z] = clip(p);
+                let distance = (0..3).map(|i| (p[i] - eye[i]).powi(2)).sum::<f32>().sqrt();
+                if distance < radius * 0.999 && z < 0.0 && x.abs().max(y.abs()) < -z * half * 0.999 {
+                    assert_eq!(hierarchy.stand_in(leaf as u32, lod.cut()), leaf as u32);
+                }
+            }
+        }
+        assert!(2 * fewest < mesh.triangles().len());
+
+        // Nothing but what is near counts, however large it is on the picture.
+        let eye = [middle[0], middle[1], middle[2] + 1.2 * diagonal];
+        let view = View::perspective(look_at(eye, middle, [0.0, 1.0, 0.0]), 0.8, [4000, 4000]).unwrap();
+        lod.adapt(&[view.clone().with_silhouette_px(0.1).with_radius_test(0.1 * diagonal).of_world()]);
+        assert_eq!(bundle.mesh_at(&lod).triangles().len(), hierarchy.base_triangle_count());
+        lod.adapt(&[view.with_radius_test(9.0 * diagonal).of_world()]);
+        assert_eq!(bundle.mesh_at(&lod).triangles().len(), mesh.triangles().len());
+    }
+}
+
+#[cfg(feature = "io")]
+mod files {
+    use super::*;
+    use multires::io::{bake, unbake};
+
+    #[derive(serde::Serialize)]
+    struct Parts<'a> {
+        mesh: &'a Mesh,
+        hierarchy: &'a VertexHierarchy,
+    }
+
+    fn any_mesh() -> (Mesh, CollapseSequence) {
+        let mesh = dressed(shapes::torus(1.0, 0.4, 20, 12));
+        let sequence = Simplifier::new().placement(Placement::Optimal).run(&mesh).unwrap();
+        (mesh, sequence)
+    }
+
+    #[test]
+    fn it_comes_back_from_a_file_and_not_from_parts_that_do_not_fit() {
+        let (mesh, sequence) = any_mesh();
+        for policy in POLICIES {
+            let bundle = HierarchyMesh::new(&mesh, &sequence, policy).unwrap();
+            let bytes = bake(HierarchyMesh::KIND, &bundle).unwrap();
+            let back: HierarchyMesh = unbake(HierarchyMesh::KIND, &bytes).unwrap();
+            assert_eq!(back, bundle);
+            let parts = |mesh: &Mesh| {
+                bake(HierarchyMesh::KIND, &Parts { mesh, hierarchy: bundle.hierarchy() }).unwrap()
+            };
+            assert!(parts(bundle.vertices()) == bytes);
+            let refused = |mesh: &Mesh| {
+                unbake::<HierarchyMesh>(HierarchyMesh::KIND, &parts(mesh)).unwrap_err().to_string()
+            };
+            let positions = bundle.vertices().positions();
+            assert!(refused(&Mesh::new(&positions[1..], []).unwrap()).contains("vertices"));
+            assert!(refused(&Mesh::new(positions, [[0, 1, 2]]).unwrap()).contains("triangles"));
+
+            let text = serde_json::to_string(&bundle).unwrap();
+            assert_eq!(serde_json::from_str::<HierarchyMesh>(&text).unwrap(), bundle);
+            // Borrowed and owned parts are the same bytes.
+            let owned = multires::hierarchy::HierarchyParts::from((**bundle.hierarchy()).clone());
+            assert!(bake("parts", &owned).unwrap() == bake("parts", &**bundle.hierarchy()).unwrap());
+            // Little more than the parts: everything else is derived.
+            assert!(bytes.len() < bundle.memory() + 2048, "{} {}", bytes.len(), bundle.memory());
+        }
+    }
+
+    fn config() -> impl bincode::config::Config {
+        bincode::config::standard().with_fixed_int_encoding().with_limit::<{ 1 << 22 }>()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        /// Any bytes changed, in a way that often still fits.
+        #[test]
+        fn forged_bytes_are_refused_or_safe(
+            (mesh, sequence) in support::any_placement(),
+            policy in 0usize..3,
+            damage in prop::collection::vec((any::<prop::sample::Index>(), any::<bool>(), any::<u32>()), 1..4),
+            noise in prop::collection::vec(any::<u8>(), 0..300),
+        ) {
+            let bundle = HierarchyMesh::new(&dressed(mesh), &sequence, POLICIES[policy]).unwrap();
+            let mut bytes = bincode::serde::encode_to_vec(&bundle, config()).unwrap();
+            for (at, word, value) in damage {
+                if word {
+                    let at = at.index(bytes.len() - 3);
+                    bytes[at..at + 4].copy_from_slice(&(value % 64).to_le_bytes());
+                } else {
+                    let at = at.index(bytes.len());
+                    bytes[at] ^= value as u8;
+                }
+            }
+            for bytes in [&bytes, &noise] {
+                let Ok((bundle, _)) = bincode::serde::decode_from_slice::<HierarchyMesh, _>(bytes, config()) else {
+                    continue;
+                };
+                prop_assert_eq!(bundle.hierarchy().validate(), Ok(()));
+                for mut lod in instances(&bundle) {
+                    for share in [100, 40, 70, 0] {
+                        lod.adapt_by(&Random::new(bundle.hierarchy(), 7, share), Motion::Other);
+                        let at = bundle.mesh_at(&lod);
+                        prop_assert_eq!(at.triangles().len(), drawn(&lod).len());
+                        prop_assert!(at.indices().iter().all(|&v| (v as usize) < at.positions().len()));
+                    }
+                }
+                let _ = (bundle.memory(), bundle.plain_memory(), bundle.bounds());
+            }
+        }
+    }
+}
