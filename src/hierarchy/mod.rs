@@ -16,6 +16,9 @@
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
 //! | `instance.rs` | [`HierarchyLod`]: one drawn instance |
+//! | `pace.rs` | between the cut and what is drawn: budgets, vertices that move |
+//! | `morphed.rs` | [`MorphedLod`]: an instance whose vertices move to their places |
+//! | `moving.rs` | where moving vertices are |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
 
@@ -24,7 +27,10 @@ mod build;
 mod context;
 mod error;
 mod instance;
+mod morphed;
+mod moving;
 mod needs;
+mod pace;
 mod packed;
 mod stars;
 mod surface;
@@ -33,6 +39,7 @@ mod validate;
 pub use build::HierarchyBuild;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
+pub use morphed::MorphedLod;
 pub use needs::Dependencies;
 pub use surface::Surface;
 
