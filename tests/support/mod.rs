@@ -2,6 +2,7 @@
 
 #![allow(dead_code)]
 
+pub mod lod;
 pub mod naive;
 
 use multires::mesh::Mesh;
