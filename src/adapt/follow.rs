@@ -55,6 +55,9 @@ const COMING: u8 = 4;
 const GOING: u8 = 8;
 /// In transition to its substitutes.
 const CLOSING: u8 = 16;
+/// Whether it was wanted when last taken in, and whether that may have changed since.
+const AIM: u8 = 32;
+const NOTED: u8 = 64;
 
 #[derive(Debug, Clone)]
 struct Transition {
@@ -75,6 +78,7 @@ pub(crate) struct Follow {
     coming: VecDeque<u32>,
     going: VecDeque<u32>,
     stack: Vec<(u32, bool)>,
+    noted: Vec<u32>,
     /// Those shown and not wanted, or the other way round.
     pending: usize,
     triangles: usize,
@@ -100,13 +104,14 @@ impl Follow {
             coming: VecDeque::new(),
             going: VecDeque::new(),
             stack: Vec::new(),
+            noted: Vec::new(),
             pending: 0,
             triangles,
             splits: 0,
             collapses: 0,
         };
         for r in (0..count as u32).filter(|&r| shown(r)) {
-            follow.state[r as usize] = SHOWN | WANTED;
+            follow.state[r as usize] = SHOWN | WANTED | AIM;
             of.parents(r).chain(of.needs(r)).for_each(|n| follow.held[n as usize] += 1);
         }
         follow
@@ -142,30 +147,41 @@ impl Follow {
         }
     }
 
-    /// Takes in that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Follow::run`] is called.
-    pub fn want<R: Refinements + ?Sized>(
-        &mut self,
-        of: &R,
-        r: u32,
-        wanted: bool,
-        picture: &mut impl Picture,
-    ) {
-        if self.is(r, WANTED) == wanted {
-            return;
+    /// Notes that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Follow::run`] is called;
+    /// only what it is then counts.
+    pub fn want(&mut self, r: u32, wanted: bool) {
+        let state = &mut self.state[r as usize];
+        *state = if wanted { *state | WANTED } else { *state & !WANTED };
+        if *state & NOTED == 0 {
+            *state |= NOTED;
+            self.noted.push(r);
         }
-        self.state[r as usize] ^= WANTED;
-        if self.is(r, SHOWN) == wanted {
-            self.pending -= 1;
-        } else {
-            self.pending += 1;
-            self.call(r, if wanted { COMING } else { GOING });
+    }
+
+    /// Takes in what was noted.
+    fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, picture: &mut impl Picture) {
+        for at in 0..self.noted.len() {
+            let r = self.noted[at];
+            self.state[r as usize] &= !NOTED;
+            let wanted = self.is(r, WANTED);
+            if wanted == self.is(r, AIM) {
+                continue;
+            }
+            self.state[r as usize] ^= AIM;
+            if self.is(r, SHOWN) == wanted {
+                self.pending -= 1;
+            } else {
+                self.pending += 1;
+                self.call(r, if wanted { COMING } else { GOING });
+            }
+            if wanted && self.is(r, CLOSING) {
+                self.state[r as usize] &= !CLOSING;
+                of.parents(r).chain(of.needs(r)).for_each(|n| self.closing[n as usize] -= 1);
+                self.start(r);
+                picture.reopen(r);
+            }
         }
-        if wanted && self.is(r, CLOSING) {
-            self.state[r as usize] &= !CLOSING;
-            of.parents(r).chain(of.needs(r)).for_each(|n| self.closing[n as usize] -= 1);
-            self.start(r);
-            picture.reopen(r);
-        }
+        self.noted.clear();
     }
 
     /// All transitions go on by a share of their way; those that have closed are called to go.
@@ -195,6 +211,7 @@ impl Follow {
         sees: impl Fn(u32) -> bool,
         picture: &mut impl Picture,
     ) -> (usize, usize) {
+        self.take_in(of, picture);
         (self.splits, self.collapses) = (0, 0);
         // By turns, so that neither starves the other.
         loop {

@@ -106,13 +106,10 @@ impl Pace {
         let mut report = match budget {
             Some(budget) => {
                 let cost = |split: u32| hierarchy.owned(split).len();
-                budget.update(cut, hierarchy, criterion, motion, cost, |split, comes| {
-                    follow.want(hierarchy, split, comes, &mut picture);
-                })
+                budget
+                    .update(cut, hierarchy, criterion, motion, cost, |split, comes| follow.want(split, comes))
             }
-            None => cut.update(hierarchy, criterion, motion, |_, split, comes| {
-                follow.want(hierarchy, split, comes, &mut picture);
-            }),
+            None => cut.update(hierarchy, criterion, motion, |_, split, comes| follow.want(split, comes)),
         };
         let smooth = progress < 1.0;
         let limits = Limits { operations: *operations, triangles: *triangles, smooth };
