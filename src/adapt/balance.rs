@@ -9,7 +9,8 @@
 //! From frame to frame the factor stays, and with it all answers that sleep. When it must move, rim and fringe are put in two
 //! heaps: the least urgent goes while there are too many, the most urgent comes while it fits, and where the most urgent does
 //! not fit, what is less urgent makes room (the dual queues of Duchaineau et al. 1997, ROAM, section 5). The result is the
-//! longest run of the most urgent that fits: nested in the number of triangles, and the same whatever it was before.
+//! longest run of the most urgent that fits, with some triangles to spare: nested in the number of triangles, and the same
+//! whatever it was before.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -20,8 +21,10 @@ use super::cut::{Cut, CutReport};
 use super::front::ASKED;
 use super::refinements::Refinements;
 
-/// Share of the budget below which more is tried.
+/// Shares of the budget: below the first more is tried, and the second is what the factor is set for when it moves, so that it
+/// need not move again soon.
 const ROOM: f64 = 0.95;
+const AIM: f64 = 0.975;
 /// Sets the factor beyond what rounding may do to an urgency.
 const MARGIN: f64 = 1.0 + 1e-9;
 
@@ -160,6 +163,7 @@ impl Budget {
         count: &mut impl FnMut(&mut usize, u32, bool),
     ) -> usize {
         let Self { limit, triangles, rim, fringe, .. } = self;
+        let mut aim = (*limit as f64 * AIM) as usize;
         let Cut { front, closure } = cut;
         let mut tests = 0;
         let mut key = |r: u32| {
@@ -202,12 +206,16 @@ impl Budget {
                 closure.change(of, &mut front.state, r, asked, &mut |_, r, comes| count(triangles, r, comes));
             };
             let goes = match (least, most) {
-                (Some(least), _) if *triangles > *limit || least.urgency <= 1.0 => least,
+                (Some(least), _) if *triangles > aim || least.urgency <= 1.0 => least,
                 (None, _) if *triangles > *limit => break f64::INFINITY,
+                (None, _) if *triangles > aim => {
+                    aim = *limit;
+                    continue;
+                }
                 (_, None) => break 1.0,
                 (least, Some(most)) => {
                     toggle(front, triangles, most.refinement, true);
-                    if *triangles <= *limit {
+                    if *triangles <= aim {
                         fringe.pop();
                         rim.push(Reverse(most));
                         for child in of.children(most.refinement) {

@@ -7,6 +7,10 @@ pub struct LodOptions {
     /// Most splits and collapses a frame; the rest is carried over. `None`: all at once. At 0 nothing changes any more.
     pub operations: Option<usize>,
     /// Most triangles, whatever the view asks for; `None`: as many as it asks for. Where the coarsest mesh has more, that.
+    /// Tolerances grow together until the most urgent of what is asked for fits ([`Criterion::urgency`]); while the view
+    /// moves, 95 to 100 of a hundred are used.
+    ///
+    /// [`Criterion::urgency`]: crate::view::Criterion::urgency
     pub triangles: Option<usize>,
 }
 
