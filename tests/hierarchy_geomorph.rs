@@ -174,6 +174,62 @@ fn a_morph_takes_its_time_and_turns_round_where_it_is() {
     }
 }
 
+/// The same on meshes of some size, with views that jump, all limits at once, and any placement.
+#[test]
+fn nothing_jumps_where_much_happens_at_once() {
+    for (which, policy) in [(0, 0), (6, 1), (1, 2), (0, 2)] {
+        for placement in [Placement::Endpoint, Placement::Optimal] {
+            let mesh = shape(which);
+            let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
+            let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();
+            let places: Arc<[Place]> = built.positions(mesh.positions()).unwrap().into();
+            let hierarchy = Arc::new(built.hierarchy);
+            let geomorph =
+                Geomorph::default().with_duration(1.0).with_travel(f32::INFINITY).with_turn(f32::INFINITY);
+            let limits = LodOptions::default().with_operations(Some(150)).with_triangles(Some(1_000));
+            let mut lod = MorphedLod::packed(hierarchy.clone(), places.clone())
+                .unwrap()
+                .with_options(limits)
+                .with_geomorph(geomorph);
+            let seen = |at: usize| {
+                let eye = [[0.0, 0.0, 0.9], [0.6, 0.1, 0.4], [0.0, 0.0, 20.0], [-0.4, 0.3, 0.5]][at % 4];
+                [view(&mesh, eye, 0.0, 0.2).with_frustum(false).with_back_faces_culled(false).of_world()]
+            };
+            let places_of = |lod: &MorphedLod<Place>| -> Vec<Place> {
+                let leaves = hierarchy.triangles().as_flattened();
+                leaves.iter().map(|&leaf| lod.value(lod.lod().stand_in(leaf)).unwrap()).collect()
+            };
+            let mut before = places_of(&lod);
+            let (mut buffer, mut most_moving) = (Vec::new(), 0);
+            for frame in 0..160 {
+                let seconds = [0.001, 0.0, 0.1, 0.001][frame % 4];
+                let change = lod.adapt_in(&seen(frame / 13), seconds);
+                assert!(change.triangles <= 1_000 && change.cut.splits + change.cut.collapses <= 150);
+                most_moving = most_moving.max(lod.moving());
+                let now = places_of(&lod);
+                let farthest = before.iter().zip(&now).map(|(a, b)| distance(*a, *b)).fold(0.0, f32::max);
+                let size = mesh.diagonal() as f32;
+                assert!(farthest <= size * (30.0 * seconds + 1e-5), "{farthest} of {size} in {seconds}");
+                before = now;
+                upload(&mut lod, &mut buffer, 3);
+                assert_drawn(&lod, &buffer);
+                if frame % 8 == 0 {
+                    assert_valid(lod.lod());
+                }
+            }
+            assert!(most_moving > 100);
+            let mut change = lod.adapt_in(&seen(0), 0.3);
+            for _ in 0..200 {
+                change = lod.adapt_in(&seen(0), 0.3);
+            }
+            assert_eq!((change.pending, change.moving, lod.moving()), (0, 0, 0));
+            assert_eq!(shown(lod.lod()), wanted(&hierarchy, lod.lod().cut()));
+            let vertices = lod.vertices().unwrap().iter();
+            assert!(vertices.zip(lod.values()).all(|(&vertex, value)| *value == places[vertex as usize]));
+        }
+    }
+}
+
 #[test]
 fn outside_the_frustum_nothing_is_morphed() {
     let (mesh, mut lod) = sphere(Placement::Endpoint);
