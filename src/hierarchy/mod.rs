@@ -86,7 +86,7 @@ impl Lists {
 
 /// A forest of vertices with everything that refining it by view takes: immutable, shared by all instances.
 ///
-/// Vertices are numbered anew ([`HierarchyBuild::arrange`]): the input's first, so that all that one vertex stands for are
+/// Vertices are numbered anew ([`HierarchyBuild::arrange_with`]): the input's first, so that all that one vertex stands for are
 /// consecutive; then new ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VertexHierarchy {
