@@ -24,8 +24,8 @@ pub struct CutReport {
 /// parents and needs. It depends on the criterion alone, not on where the cut was before.
 #[derive(Debug, Clone)]
 pub struct Cut {
-    front: Front,
-    closure: Closure,
+    pub(super) front: Front,
+    pub(super) closure: Closure,
 }
 
 impl Cut {
@@ -57,21 +57,36 @@ impl Cut {
         motion: Motion,
         mut apply: impl FnMut(&[u8], u32, bool),
     ) -> CutReport {
+        let (mut splits, mut collapses) = (0, 0);
+        let (_, tests) = self.update_while(of, criterion, motion, |state, r, comes| {
+            if comes {
+                splits += 1;
+            } else {
+                collapses += 1;
+            }
+            apply(state, r, comes);
+            true
+        });
+        CutReport { tests, splits, collapses }
+    }
+
+    /// The same, but `apply` may say no to go on; then the set is closed, and nothing else is promised of it. Whether it
+    /// never did, and the number of tests.
+    pub(super) fn update_while<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+        &mut self,
+        of: &R,
+        criterion: &C,
+        motion: Motion,
+        mut apply: impl FnMut(&[u8], u32, bool) -> bool,
+    ) -> (bool, usize) {
         let Self { front, closure } = self;
         let before = front.tests;
-        let mut report = CutReport::default();
-        front.update(of, criterion, motion, |state, r, asked| {
-            closure.change(of, state, r, asked, &mut |state, r, comes| {
-                if comes {
-                    report.splits += 1;
-                } else {
-                    report.collapses += 1;
-                }
-                apply(state, r, comes);
-            });
+        let all = front.update(of, criterion, motion, |state, r, asked| {
+            let mut go_on = true;
+            closure.change(of, state, r, asked, &mut |state, r, comes| go_on &= apply(state, r, comes));
+            go_on
         });
-        report.tests = (front.tests - before) as usize;
-        report
+        (all, (front.tests - before) as usize)
     }
 
     /// Bytes of its arrays.

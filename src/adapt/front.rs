@@ -37,7 +37,7 @@ pub(super) struct Front {
     moved_or_turned: Wheel,
     /// Length that a turn of one radian counts for.
     arm: f64,
-    work: Vec<u32>,
+    pub work: Vec<u32>,
     /// Answers asked for so far.
     pub tests: u64,
 }
@@ -57,34 +57,33 @@ impl Front {
         }
     }
 
-    /// Moves the set to what is asked for now. `changed` is told every change in an order in which each step is closed.
+    /// Moves the set to what is asked for now. `changed` is told every change in an order in which each step is closed, and
+    /// may say no to go on: then the set is closed, but no more than that, and no answer is known.
     pub fn update<R: Refinements + ?Sized, C: Criterion + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
         motion: Motion,
-        mut changed: impl FnMut(&mut [u8], u32, bool),
-    ) {
+        mut changed: impl FnMut(&mut [u8], u32, bool) -> bool,
+    ) -> bool {
         self.wake(of, motion);
         while let Some(r) = self.work.pop() {
             let state = self.state[r as usize];
             if state & ASLEEP != 0 {
                 continue;
             }
-            let asked = state & ASKED != 0;
-            let due = if asked {
-                !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
-            } else {
-                of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
-            };
-            if !due {
+            if !self.is_due(of, r) {
                 continue;
             }
+            let asked = state & ASKED != 0;
             self.tests += 1;
             let answer = criterion.needs(of.bounds(r));
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
-                changed(&mut self.state, r, answer.refine);
+                if !changed(&mut self.state, r, answer.refine) {
+                    self.forget();
+                    return false;
+                }
             }
             self.sleep(r, answer);
             // Those for whom the rim has moved.
@@ -102,6 +101,32 @@ impl Front {
                 }
             }
         }
+        true
+    }
+
+    /// Whether it is on the rim or the fringe.
+    #[inline]
+    pub fn is_due<R: Refinements + ?Sized>(&self, of: &R, r: u32) -> bool {
+        if self.state[r as usize] & ASKED != 0 {
+            !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
+        } else {
+            of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
+        }
+    }
+
+    /// Forgets all answers, not what they led to.
+    pub fn forget(&mut self) {
+        self.moved.clear();
+        self.moved_or_turned.clear();
+        self.state.iter_mut().for_each(|s| *s &= !ASLEEP);
+        self.work.clear();
+    }
+
+    /// Hands out the rim and the fringe, some of it twice, and more; check with [`Front::is_due`].
+    pub fn candidates<R: Refinements + ?Sized>(&mut self, of: &R) -> &[u32] {
+        self.forget();
+        self.wake(of, Motion::Other);
+        &self.work
     }
 
     fn sleep(&mut self, r: u32, answer: Answer) {
@@ -141,9 +166,7 @@ impl Front {
             }
         }
     }
-}
 
-impl Front {
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
         self.state.len() + size_of_val(&self.next[..]) + self.moved.memory() + self.moved_or_turned.memory()

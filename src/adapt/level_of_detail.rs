@@ -8,10 +8,16 @@ use super::{CutReport, DirtyRanges};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Change {
-    /// Tests, splits and collapses.
+    /// Tests, and the splits and collapses of what is drawn.
     pub cut: CutReport,
     /// Triangles drawn now.
     pub triangles: usize,
+    /// Splits and collapses that are still to come before what is drawn is what the view asks for.
+    pub pending: usize,
+    /// Splits and collapses whose vertices are moving.
+    pub moving: usize,
+    /// Whether even the coarsest mesh, drawn now, has more triangles than the budget.
+    pub over_budget: bool,
 }
 
 /// A drawn instance whose level of detail follows the view.
@@ -25,6 +31,13 @@ pub struct Change {
 pub trait LevelOfDetail {
     /// Moves to the smallest closed cut that refines what any of the views needs. Without views, to the coarsest.
     fn adapt(&mut self, views: &[ObjectView]) -> Change;
+
+    /// The same, `seconds` after the last call: as far as vertices move, they go on by that. [`adapt`](Self::adapt) takes a
+    /// sixtieth.
+    fn adapt_in(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        let _ = seconds;
+        self.adapt(views)
+    }
 
     /// Number of groups of triangles: one for each material, at least one.
     fn groups(&self) -> usize;

@@ -7,19 +7,37 @@
 //! | `wheel.rs` | sleepers by how far the eye may go until they are looked at again |
 //! | `closure.rs` | the smallest closed set that holds what is asked for |
 //! | `cut.rs` | [`Cut`]: the three together |
+//! | `balance.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
+//! | `follow.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
+//! | `options.rs` | [`LodOptions`]: how much a frame, how much at most |
+//! | `geomorph.rs` | [`Geomorph`]: how long a transition takes |
+//! | `blend.rs` | [`Blend`]: what a vertex must be able to do to move |
+//! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
 //! | `level_of_detail.rs` | [`LevelOfDetail`]: what an engine sees of it |
 //! | `dirty.rs` | [`Dirty`]: ranges of a buffer that changed |
 
+mod balance;
+mod blend;
 mod closure;
 mod cut;
 mod dirty;
+mod follow;
 mod front;
+mod geomorph;
 mod level_of_detail;
+mod options;
 mod refinements;
+mod short_indices;
 mod wheel;
 
+pub(crate) use balance::Budget;
+pub use blend::Blend;
 pub(crate) use cut::is_done;
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
+pub(crate) use follow::{Follow, Limits, Picture};
+pub use geomorph::Geomorph;
 pub use level_of_detail::{Change, LevelOfDetail};
+pub use options::LodOptions;
 pub use refinements::Refinements;
+pub use short_indices::ShortIndices;

@@ -2,39 +2,100 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Change, Cut, DirtyRanges, LevelOfDetail, is_done};
+use crate::adapt::{Change, Cut, DirtyRanges, LevelOfDetail, LodOptions};
 use crate::view::{Criterion, Motion, ObjectView};
 
+use super::pace::{Movement, Pace, direct};
 use super::{Surface, VertexHierarchy};
 
 /// One drawn instance. Many share one hierarchy; each is independent, and may move to another thread.
 ///
-/// Starts at the coarsest level of detail, all of it dirty.
+/// Starts at the coarsest level of detail, all of it dirty. What is drawn is [`HierarchyLod::cut`] after every call, or with
+/// [`LodOptions`] what has been reached on the way there: always a closed set of splits.
 #[derive(Debug, Clone)]
 pub struct HierarchyLod {
     hierarchy: Arc<VertexHierarchy>,
     cut: Cut,
     surface: Surface,
     views: Vec<ObjectView>,
+    options: LodOptions,
+    /// `None` where what is asked for is drawn at once.
+    pace: Option<Box<Pace>>,
+    /// Whether vertices may move.
+    moves: bool,
+    /// Whether no answer of the cut holds any more.
+    forgets: bool,
 }
 
 impl HierarchyLod {
     /// For a buffer of all vertices of the hierarchy, uploaded once: indices name its vertices.
     pub fn new(hierarchy: Arc<VertexHierarchy>) -> Self {
-        Self::with(hierarchy, false)
+        Self::with(hierarchy, false, false)
     }
 
     /// For a buffer of the vertices in use alone: indices name slots of [`LevelOfDetail::vertices`].
     pub fn packed(hierarchy: Arc<VertexHierarchy>) -> Self {
-        Self::with(hierarchy, true)
+        Self::with(hierarchy, true, false)
     }
 
-    fn with(hierarchy: Arc<VertexHierarchy>, packed: bool) -> Self {
-        Self {
+    pub(super) fn with(hierarchy: Arc<VertexHierarchy>, packed: bool, moves: bool) -> Self {
+        let mut lod = Self {
             cut: Cut::new(hierarchy.split_count(), hierarchy.diagonal(), hierarchy.has_needs()),
             surface: Surface::new(&hierarchy, packed),
             views: Vec::new(),
+            options: LodOptions::default(),
+            pace: None,
+            moves,
+            forgets: false,
             hierarchy,
+        };
+        lod.set_options(LodOptions::default());
+        lod
+    }
+
+    /// With these limits.
+    #[must_use]
+    pub fn with_options(mut self, options: LodOptions) -> Self {
+        self.set_options(options);
+        self
+    }
+
+    /// Sets the limits for calls to come. Where they are lifted, what is still to come is drawn at once; where triangles are
+    /// fewer than drawn, what is too much goes in the next call, whatever the number of operations.
+    pub fn set_options(&mut self, options: LodOptions) {
+        self.change_options(options, &mut ());
+    }
+
+    pub(super) fn change_options(&mut self, options: LodOptions, movement: &mut impl Movement) {
+        let Self { hierarchy, cut, surface, pace, .. } = self;
+        self.forgets |= options.triangles != self.options.triangles;
+        self.options = options;
+        if options == LodOptions::default() && !self.moves {
+            if let Some(mut pace) = pace.take() {
+                pace.settle(hierarchy, surface, movement);
+            }
+            return;
+        }
+        let drawn = surface.triangle_count();
+        let pace = pace.get_or_insert_with(|| Box::new(Pace::new(hierarchy, cut, drawn, self.moves)));
+        let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
+        let wanted = splits.map(|split| hierarchy.owned(split).len()).sum::<usize>();
+        pace.set(&options, hierarchy.base_triangle_count() + wanted);
+    }
+
+    /// The limits.
+    pub fn options(&self) -> &LodOptions {
+        &self.options
+    }
+
+    /// Draws all that the last view asked for, at once: after a cut to another camera, say.
+    pub fn settle(&mut self) {
+        self.settle_with(&mut ());
+    }
+
+    pub(super) fn settle_with(&mut self, movement: &mut impl Movement) {
+        if let Some(pace) = &mut self.pace {
+            pace.settle(&self.hierarchy, &mut self.surface, movement);
         }
     }
 
@@ -43,9 +104,23 @@ impl HierarchyLod {
         &self.hierarchy
     }
 
-    /// Which splits are in the mesh.
+    /// Which splits the last view asked for, within the budget of triangles.
     pub fn cut(&self) -> &Cut {
         &self.cut
+    }
+
+    /// Whether a split is drawn.
+    pub fn shows(&self, split: u32) -> bool {
+        self.pace.as_ref().map_or_else(|| self.cut.holds(split), |pace| pace.follow().shows(split))
+    }
+
+    /// The vertex that stands for a vertex in what is drawn. O(hops to it); the vertex itself out of range.
+    pub fn stand_in(&self, vertex: u32) -> u32 {
+        if (vertex as usize) < self.hierarchy.vertex_count() {
+            self.hierarchy.active(vertex, |split| self.shows(split))
+        } else {
+            vertex
+        }
     }
 
     /// Its triangles.
@@ -53,38 +128,68 @@ impl HierarchyLod {
         &self.surface
     }
 
+    pub(super) fn surface_mut(&mut self) -> &mut Surface {
+        &mut self.surface
+    }
+
     /// Moves the cut to what a criterion of your own needs. `motion` is what has happened to the criterion since the last
     /// call ([`Criterion::motion`]); [`Motion::Other`] where the last call was another's.
     pub fn adapt_by<C: Criterion + ?Sized>(&mut self, criterion: &C, motion: Motion) -> Change {
-        self.views.clear();
-        self.update(criterion, motion)
+        self.update_by(criterion, motion, 1.0, &mut ())
     }
 
-    fn update<C: Criterion + ?Sized>(&mut self, criterion: &C, motion: Motion) -> Change {
-        let Self { hierarchy, cut, surface, .. } = self;
-        let report = cut.update(&**hierarchy, criterion, motion, |state, split, comes| {
-            if comes {
-                surface.split(hierarchy, split, |other| is_done(state, other));
-            } else {
-                surface.collapse(hierarchy, split);
-            }
-        });
-        Change { cut: report, triangles: surface.triangle_count() }
+    pub(super) fn update_by<C: Criterion + ?Sized>(
+        &mut self,
+        criterion: &C,
+        motion: Motion,
+        progress: f32,
+        movement: &mut impl Movement,
+    ) -> Change {
+        self.views.clear();
+        self.update(criterion, motion, progress, movement)
+    }
+
+    /// What has happened to the views since the last call.
+    pub(super) fn motion(&self, views: &[ObjectView]) -> Motion {
+        if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) }
+    }
+
+    pub(super) fn update_views(
+        &mut self,
+        views: &[ObjectView],
+        progress: f32,
+        movement: &mut impl Movement,
+    ) -> Change {
+        let change = self.update(views, self.motion(views), progress, movement);
+        self.views.clear();
+        self.views.extend_from_slice(views);
+        change
+    }
+
+    fn update<C: Criterion + ?Sized>(
+        &mut self,
+        criterion: &C,
+        motion: Motion,
+        progress: f32,
+        movement: &mut impl Movement,
+    ) -> Change {
+        let motion = if std::mem::take(&mut self.forgets) { Motion::Other } else { motion };
+        let state = (&*self.hierarchy, &mut self.cut, &mut self.surface);
+        match &mut self.pace {
+            None => direct(state, criterion, motion),
+            Some(pace) => pace.update(state, criterion, motion, progress, movement),
+        }
     }
 
     /// Bytes of this instance, the shared hierarchy not counted.
     pub fn memory(&self) -> usize {
-        self.cut.memory() + self.surface.memory()
+        self.cut.memory() + self.surface.memory() + self.pace.as_ref().map_or(0, |pace| pace.memory())
     }
 }
 
 impl LevelOfDetail for HierarchyLod {
     fn adapt(&mut self, views: &[ObjectView]) -> Change {
-        let motion = if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) };
-        let change = self.update(views, motion);
-        self.views.clear();
-        self.views.extend_from_slice(views);
-        change
+        self.update_views(views, 1.0, &mut ())
     }
 
     fn groups(&self) -> usize {

@@ -19,6 +19,9 @@
 //! | `builder.rs` | [`HierarchyBuilder`]: from a mesh in one call |
 //! | `bundle.rs` | [`HierarchyMesh`]: a hierarchy and its vertices, as baked to a file |
 //! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
+//! | `pace.rs` | between the cut and what is drawn: budgets, vertices that move |
+//! | `morphed.rs` | [`MorphedLod`]: an instance whose vertices move to their places |
+//! | `moving.rs` | where moving vertices are |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
 
@@ -29,7 +32,10 @@ mod bundle;
 mod context;
 mod error;
 mod instance;
+mod morphed;
+mod moving;
 mod needs;
+mod pace;
 mod packed;
 mod parts;
 mod stars;
@@ -41,6 +47,7 @@ pub use builder::HierarchyBuilder;
 pub use bundle::HierarchyMesh;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
+pub use morphed::MorphedLod;
 pub use needs::Dependencies;
 pub use parts::HierarchyParts;
 pub use surface::Surface;

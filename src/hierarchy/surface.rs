@@ -127,6 +127,11 @@ impl Surface {
     /// Forgets what was written.
     pub fn clean(&mut self) {
         self.output.groups.iter_mut().for_each(|group| group.dirty.clear());
+        self.clean_vertices();
+    }
+
+    /// The same for slots alone.
+    pub(super) fn clean_vertices(&mut self) {
         if let Some(packed) = &mut self.output.packed {
             packed.clean();
         }

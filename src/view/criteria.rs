@@ -86,6 +86,26 @@ pub trait Criterion {
 
     /// What has happened since `before`. [`Motion::Other`] is always right, and the slowest.
     fn motion(&self, before: &Self) -> Motion;
+
+    /// The factor by which tolerances would have to grow for the refinement to be no longer needed: above 1 where it is
+    /// needed, 1 or less where it is not. A triangle budget splits the most urgent first and collapses the least urgent. Must
+    /// be monotone in the bounds. Unless implemented, all that is needed is of endless urgency, and a larger error comes
+    /// first.
+    fn urgency(&self, bounds: &Bounds) -> f64 {
+        if self.needs(bounds).refine { f64::INFINITY } else { 0.0 }
+    }
+
+    /// Whether the refinement would be needed with tolerances multiplied by `factor` (1 or more): where it is, its
+    /// [urgency](Self::urgency) is above the factor. Unless implemented, the answer holds once.
+    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+        Answer::once(self.urgency(bounds) > factor)
+    }
+
+    /// Whether a change there may be seen; where not, it is made at once. Unless implemented, it may.
+    fn sees(&self, bounds: &Bounds) -> bool {
+        let _ = bounds;
+        true
+    }
 }
 
 /// Several views at once (split screen, shadow cascades): needed where any needs it.
@@ -99,6 +119,25 @@ impl<C: Criterion> Criterion for [C] {
             }
         }
         answer
+    }
+
+    fn urgency(&self, bounds: &Bounds) -> f64 {
+        self.iter().map(|view| view.urgency(bounds)).fold(0.0, f64::max)
+    }
+
+    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+        let mut answer = Answer::NEVER;
+        for view in self {
+            answer = answer.or(view.needs_at(bounds, factor));
+            if answer == Answer::ALWAYS {
+                break;
+            }
+        }
+        answer
+    }
+
+    fn sees(&self, bounds: &Bounds) -> bool {
+        self.iter().any(|view| view.sees(bounds))
     }
 
     fn motion(&self, before: &Self) -> Motion {

@@ -7,6 +7,14 @@ use super::camera::{ErrorKind, Eye, View, ViewError};
 use super::criteria::{Answer, Criterion, Motion};
 use super::matrix::{columns, uniform_scale};
 
+/// Distance at which a budget takes those that the eye is in, or that are in focus, to be: before all others, by their error.
+/// Object units; any length far below all that is measured does.
+const NEAREST: f64 = 1e-30;
+/// Least tolerance that tolerances are multiples of, pixels: far below any error that is not 0.
+const LEAST_TOLERANCE: f64 = 1e-30;
+/// Urgency of what is needed for no error.
+const BARELY: f64 = 1.0 + 1e-6;
+
 /// A [`View`] as seen from an object: everything in object units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
@@ -63,8 +71,8 @@ impl View {
             eye,
             planes,
             plane_count: self.plane_count,
-            reach: pixels / self.tolerance,
-            silhouette_reach: pixels / finest,
+            reach: pixels / self.tolerance.max(LEAST_TOLERANCE),
+            silhouette_reach: pixels / finest.max(LEAST_TOLERANCE),
             error: self.error,
             frustum: self.frustum,
             back_faces: self.back_faces,
@@ -197,9 +205,11 @@ impl ObjectView {
         }
         let far = error * reach;
         match self.eye {
-            Eye::At { .. } => {
-                Answer { refine: place.gap < far, moved: (place.gap - far).abs(), turned: f64::INFINITY }
-            }
+            Eye::At { .. } => Answer {
+                refine: place.gap.max(NEAREST) < far,
+                moved: (place.gap - far).abs(),
+                turned: f64::INFINITY,
+            },
             Eye::Along { .. } => Answer { refine: far > 1.0, ..Answer::ALWAYS },
         }
     }
@@ -211,22 +221,31 @@ impl ObjectView {
     }
 }
 
-impl Criterion for ObjectView {
-    fn needs(&self, bounds: &Bounds) -> Answer {
-        let place = self.place(bounds);
-        let error = f64::from(match self.error {
+impl ObjectView {
+    fn error_of(&self, bounds: &Bounds) -> f64 {
+        f64::from(match self.error {
             ErrorKind::Geometric => bounds.error,
             ErrorKind::Parametric => bounds.parametric,
-        });
-        let mut large = self.too_large(error, self.reach, &place);
+        })
+    }
+
+    /// Whether a refinement is needed with tolerances multiplied by a factor.
+    #[inline]
+    fn answer(&self, bounds: &Bounds, factor: f64) -> Answer {
+        let place = self.place(bounds);
+        let error = self.error_of(bounds);
+        let mut large = self.too_large(error, self.reach / factor, &place);
         let facing =
             (self.back_faces || self.silhouette_reach > self.reach).then(|| self.facing(bounds, &place));
         if let Some((_, silhouette)) = facing {
             if !large.refine && self.silhouette_reach > self.reach {
-                large = large.or(self.too_large(error, self.silhouette_reach, &place).and(silhouette));
+                let reach = self.silhouette_reach / factor;
+                large = large.or(self.too_large(error, reach, &place).and(silhouette));
             }
         }
-        large = large.or(self.in_focus(bounds));
+        if factor <= 1.0 || error * self.silhouette_reach > NEAREST * factor {
+            large = large.or(self.in_focus(bounds));
+        }
         if let (Some((front, _)), true) = (facing, self.back_faces) {
             large = large.and(front);
         }
@@ -235,6 +254,40 @@ impl Criterion for ObjectView {
             return large;
         }
         large.and(self.in_frustum(bounds, &place))
+    }
+}
+
+impl Criterion for ObjectView {
+    fn needs(&self, bounds: &Bounds) -> Answer {
+        self.answer(bounds, 1.0)
+    }
+
+    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+        self.answer(bounds, factor)
+    }
+
+    fn urgency(&self, bounds: &Bounds) -> f64 {
+        let place = self.place(bounds);
+        let (front, silhouette) = self.facing(bounds, &place);
+        if self.back_faces && !front.refine || !self.in_frustum(bounds, &place).refine {
+            return 0.0;
+        }
+        let reach = if silhouette.refine { self.silhouette_reach } else { self.reach };
+        let error = self.error_of(bounds).max(0.0);
+        let urgency = match self.eye {
+            Eye::At { .. } => error * reach / place.gap.max(NEAREST),
+            Eye::Along { .. } => error * reach,
+        };
+        if self.in_focus(bounds).refine {
+            urgency.max(error * self.silhouette_reach / NEAREST).max(BARELY)
+        } else {
+            urgency
+        }
+    }
+
+    fn sees(&self, bounds: &Bounds) -> bool {
+        let place = self.place(bounds);
+        self.in_frustum(bounds, &place).refine && (!self.back_faces || self.facing(bounds, &place).0.refine)
     }
 
     fn motion(&self, before: &Self) -> Motion {

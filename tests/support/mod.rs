@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod cuts;
+pub mod lod;
 pub mod naive;
 
 use multires::mesh::Mesh;

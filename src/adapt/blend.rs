@@ -1,0 +1,30 @@
+//! What a vertex must be able to do to move: be mixed with another.
+
+/// A value between two of its kind.
+///
+/// At `t = 0` the result must be `self` and at `t = 1` `other`, exactly: a vertex at rest is where it belongs.
+pub trait Blend {
+    /// `(1 - t) * self + t * other`; `t` is from 0 to 1.
+    #[must_use]
+    fn blend(&self, other: &Self, t: f32) -> Self;
+}
+
+impl Blend for f32 {
+    #[inline]
+    fn blend(&self, other: &Self, t: f32) -> Self {
+        if t <= 0.0 {
+            *self
+        } else if t >= 1.0 {
+            *other
+        } else {
+            (1.0 - t) * self + t * other
+        }
+    }
+}
+
+impl<T: Blend, const N: usize> Blend for [T; N] {
+    #[inline]
+    fn blend(&self, other: &Self, t: f32) -> Self {
+        std::array::from_fn(|i| self[i].blend(&other[i], t))
+    }
+}

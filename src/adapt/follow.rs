@@ -1,0 +1,382 @@
+//! What is shown follows what is wanted: so much a frame, closed after every step, smoothly if asked for.
+//!
+//! ```text
+//!     wanted, not shown   first all that it builds on, then itself; its vertices start where their substitutes are
+//!     shown, not wanted   once nothing builds on it, or all that does is on its way out too: its vertices move to
+//!                         their substitutes, then it goes, those that build on it first
+//!     wanted again        turns round where it is
+//! ```
+//!
+//! What is wanted is closed, so whatever builds on an unwanted refinement is unwanted itself. Hence an unwanted one that must
+//! wait need not stand in the queue: whoever it waits for calls it.
+
+use std::collections::VecDeque;
+
+use crate::mesh::NONE;
+
+use super::refinements::Refinements;
+
+/// The mesh that shows refinements, and whoever moves its vertices.
+pub(crate) trait Picture {
+    /// Triangles that a refinement adds.
+    fn cost(&self, r: u32) -> usize;
+    /// All transitions go on by a share of their way.
+    fn advance(&mut self, progress: f32);
+    /// A refinement comes, all that it builds on is there; `there` says what is, itself included. If `smoothly`, its vertices
+    /// start at their substitutes.
+    fn refine(&mut self, r: u32, smoothly: bool, there: impl Fn(u32) -> bool + Copy);
+    /// A refinement goes, nothing builds on it.
+    fn coarsen(&mut self, r: u32);
+    /// Its vertices start to move to their substitutes, from where they are.
+    fn close(&mut self, r: u32);
+    /// Its vertices start to move to their own places, from where they are.
+    fn reopen(&mut self, r: u32);
+}
+
+/// What may be done in one frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Most refinements that come or go.
+    pub operations: usize,
+    /// Most triangles.
+    pub triangles: usize,
+    /// Whether new transitions take time.
+    pub smooth: bool,
+}
+
+impl Limits {
+    pub const NONE: Self = Self { operations: usize::MAX, triangles: usize::MAX, smooth: false };
+}
+
+const SHOWN: u8 = 1;
+const WANTED: u8 = 2;
+/// In the queue of those to come, or to go.
+const COMING: u8 = 4;
+const GOING: u8 = 8;
+/// In transition to its substitutes.
+const CLOSING: u8 = 16;
+/// Whether it was wanted when last taken in, and whether that may have changed since.
+const AIM: u8 = 32;
+const NOTED: u8 = 64;
+
+#[derive(Debug, Clone)]
+struct Transition {
+    refinement: u32,
+    /// Share of the way gone.
+    weight: f32,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Follow {
+    state: Vec<u8>,
+    /// How many that are shown build on each, and how many of them are closing.
+    held: Vec<u32>,
+    closing: Vec<u32>,
+    /// Per refinement its transition, or `NONE`; empty where there are none, as is `closing`.
+    transition_of: Vec<u32>,
+    transitions: Vec<Transition>,
+    coming: VecDeque<u32>,
+    going: VecDeque<u32>,
+    stack: Vec<(u32, bool)>,
+    noted: Vec<u32>,
+    /// Those shown and not wanted, or the other way round.
+    pending: usize,
+    triangles: usize,
+    splits: usize,
+    collapses: usize,
+}
+
+impl Follow {
+    /// With what is shown and wanted now, in `triangles`. `moves`: whether there may be transitions.
+    pub fn new<R: Refinements + ?Sized>(
+        of: &R,
+        shown: impl Fn(u32) -> bool,
+        triangles: usize,
+        moves: bool,
+    ) -> Self {
+        let count = of.len();
+        let mut follow = Self {
+            state: vec![0; count],
+            held: vec![0; count],
+            closing: if moves { vec![0; count] } else { Vec::new() },
+            transition_of: if moves { vec![NONE; count] } else { Vec::new() },
+            transitions: Vec::new(),
+            coming: VecDeque::new(),
+            going: VecDeque::new(),
+            stack: Vec::new(),
+            noted: Vec::new(),
+            pending: 0,
+            triangles,
+            splits: 0,
+            collapses: 0,
+        };
+        for r in (0..count as u32).filter(|&r| shown(r)) {
+            follow.state[r as usize] = SHOWN | WANTED | AIM;
+            of.parents(r).chain(of.needs(r)).for_each(|n| follow.held[n as usize] += 1);
+        }
+        follow
+    }
+
+    pub fn shows(&self, r: u32) -> bool {
+        self.state.get(r as usize).is_some_and(|state| state & SHOWN != 0)
+    }
+
+    /// How many are shown and not wanted, or the other way round.
+    pub fn pending(&self) -> usize {
+        self.pending
+    }
+
+    /// How many are in transition.
+    pub fn transitions(&self) -> usize {
+        self.transitions.len()
+    }
+
+    /// Triangles shown.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
+    fn is(&self, r: u32, flag: u8) -> bool {
+        self.state[r as usize] & flag != 0
+    }
+
+    fn call(&mut self, r: u32, queue: u8) {
+        if !self.is(r, queue) {
+            self.state[r as usize] |= queue;
+            if queue == COMING { &mut self.coming } else { &mut self.going }.push_back(r);
+        }
+    }
+
+    /// Notes that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Follow::run`] is called;
+    /// only what it is then counts.
+    pub fn want(&mut self, r: u32, wanted: bool) {
+        let state = &mut self.state[r as usize];
+        *state = if wanted { *state | WANTED } else { *state & !WANTED };
+        if *state & NOTED == 0 {
+            *state |= NOTED;
+            self.noted.push(r);
+        }
+    }
+
+    /// Takes in what was noted.
+    fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, picture: &mut impl Picture) {
+        for at in 0..self.noted.len() {
+            let r = self.noted[at];
+            self.state[r as usize] &= !NOTED;
+            let wanted = self.is(r, WANTED);
+            if wanted == self.is(r, AIM) {
+                continue;
+            }
+            self.state[r as usize] ^= AIM;
+            if self.is(r, SHOWN) == wanted {
+                self.pending -= 1;
+            } else {
+                self.pending += 1;
+                self.call(r, if wanted { COMING } else { GOING });
+            }
+            if wanted && self.is(r, CLOSING) {
+                self.state[r as usize] &= !CLOSING;
+                of.parents(r).chain(of.needs(r)).for_each(|n| self.closing[n as usize] -= 1);
+                self.start(r);
+                picture.reopen(r);
+            }
+        }
+        self.noted.clear();
+    }
+
+    /// All transitions go on by a share of their way; those that have closed are called to go.
+    pub fn advance(&mut self, progress: f32, picture: &mut impl Picture) {
+        picture.advance(progress);
+        let mut i = 0;
+        while i < self.transitions.len() {
+            let Transition { refinement, weight } = &mut self.transitions[i];
+            let r = *refinement;
+            *weight = (*weight + progress).min(1.0);
+            let there = *weight >= 1.0;
+            if there && self.is(r, CLOSING) {
+                self.call(r, GOING);
+            } else if there {
+                self.end(r);
+                continue;
+            }
+            i += 1;
+        }
+    }
+
+    /// Does what may be done in this frame. `sees` says whether a change there may be seen. The numbers that came and went.
+    pub fn run<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        limits: Limits,
+        sees: impl Fn(u32) -> bool,
+        picture: &mut impl Picture,
+    ) -> (usize, usize) {
+        self.take_in(of, picture);
+        (self.splits, self.collapses) = (0, 0);
+        // By turns, so that neither starves the other.
+        loop {
+            let one_went = self.let_go(of, limits, &sees, picture);
+            let one_came = self.let_come(of, limits, &sees, picture);
+            if !one_went && !one_came {
+                break;
+            }
+        }
+        (self.splits, self.collapses)
+    }
+
+    fn is_spent(&self, limits: Limits) -> bool {
+        self.splits + self.collapses >= limits.operations
+    }
+
+    /// Takes the first of those to go; whether there was one that could be dealt with.
+    fn let_go<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        limits: Limits,
+        sees: &impl Fn(u32) -> bool,
+        picture: &mut impl Picture,
+    ) -> bool {
+        if self.is_spent(limits) {
+            return false;
+        }
+        let Some(r) = self.going.pop_front() else { return false };
+        self.state[r as usize] &= !GOING;
+        if self.is(r, WANTED) || !self.is(r, SHOWN) {
+            return true;
+        }
+        let held = self.held[r as usize];
+        let closed = self.is(r, CLOSING) && self.transition(r).is_none_or(|t| t.weight >= 1.0);
+        if closed || !self.is(r, CLOSING) && (!limits.smooth || held == 0 && !sees(r)) {
+            if held == 0 {
+                self.coarsen(of, r, picture);
+            }
+        } else if !self.is(r, CLOSING) && held == self.closing[r as usize] {
+            self.close(of, r, picture);
+        }
+        true
+    }
+
+    fn coarsen<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, picture: &mut impl Picture) {
+        let was_closing = self.is(r, CLOSING);
+        self.end(r);
+        self.state[r as usize] &= !(SHOWN | CLOSING);
+        self.collapses += 1;
+        self.pending -= 1;
+        self.triangles -= picture.cost(r);
+        picture.coarsen(r);
+        for n in of.parents(r).chain(of.needs(r)) {
+            self.held[n as usize] -= 1;
+            if was_closing {
+                self.closing[n as usize] -= 1;
+            }
+            self.call_if_free(n);
+        }
+    }
+
+    fn close<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, picture: &mut impl Picture) {
+        self.state[r as usize] |= CLOSING;
+        self.start(r);
+        picture.close(r);
+        for n in of.parents(r).chain(of.needs(r)) {
+            self.closing[n as usize] += 1;
+            self.call_if_free(n);
+        }
+    }
+
+    /// Calls one to go that has waited for others.
+    fn call_if_free(&mut self, r: u32) {
+        let closing = self.closing.get(r as usize).copied().unwrap_or(0);
+        if !self.is(r, WANTED) && self.held[r as usize] == closing {
+            self.call(r, GOING);
+        }
+    }
+
+    /// Takes the first of those to come and brings all that it builds on, then it; whether that went without stopping.
+    fn let_come<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        limits: Limits,
+        sees: &impl Fn(u32) -> bool,
+        picture: &mut impl Picture,
+    ) -> bool {
+        let Some(&first) = self.coming.front() else { return false };
+        if self.is(first, WANTED) {
+            self.stack.push((first, false));
+        }
+        while let Some((r, ready)) = self.stack.pop() {
+            if self.is(r, SHOWN) {
+                continue;
+            }
+            if !ready {
+                self.stack.push((r, true));
+                let Self { state, stack, .. } = self;
+                let missing = of.parents(r).chain(of.needs(r)).filter(|&n| state[n as usize] & SHOWN == 0);
+                stack.extend(missing.map(|n| (n, false)));
+            } else if self.is_spent(limits) || self.triangles + picture.cost(r) > limits.triangles {
+                self.stack.clear();
+                return false;
+            } else {
+                self.refine(of, r, limits.smooth && sees(r), picture);
+            }
+        }
+        self.coming.pop_front();
+        self.state[first as usize] &= !COMING;
+        true
+    }
+
+    fn refine<R: Refinements + ?Sized>(
+        &mut self,
+        of: &R,
+        r: u32,
+        smoothly: bool,
+        picture: &mut impl Picture,
+    ) {
+        self.state[r as usize] |= SHOWN;
+        self.splits += 1;
+        self.pending -= 1;
+        self.triangles += picture.cost(r);
+        of.parents(r).chain(of.needs(r)).for_each(|n| self.held[n as usize] += 1);
+        let state = &self.state;
+        picture.refine(r, smoothly, |other| state[other as usize] & SHOWN != 0);
+        if smoothly {
+            self.start(r);
+        }
+    }
+
+    fn transition(&self, r: u32) -> Option<&Transition> {
+        self.transitions.get(*self.transition_of.get(r as usize)? as usize)
+    }
+
+    /// A transition from where it is.
+    fn start(&mut self, r: u32) {
+        match self.transition_of[r as usize] {
+            NONE => {
+                self.transition_of[r as usize] = self.transitions.len() as u32;
+                self.transitions.push(Transition { refinement: r, weight: 0.0 });
+            }
+            at => self.transitions[at as usize].weight = 0.0,
+        }
+    }
+
+    fn end(&mut self, r: u32) {
+        let Some(at) = self.transition_of.get_mut(r as usize) else { return };
+        let at = std::mem::replace(at, NONE);
+        if at != NONE {
+            self.transitions.swap_remove(at as usize);
+            if let Some(moved) = self.transitions.get(at as usize) {
+                self.transition_of[moved.refinement as usize] = at;
+            }
+        }
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        let queues = self.coming.capacity() + self.going.capacity();
+        self.state.len()
+            + size_of_val(&self.held[..])
+            + size_of_val(&self.closing[..])
+            + size_of_val(&self.transition_of[..])
+            + size_of_val(&self.transitions[..])
+            + queues * size_of::<u32>()
+    }
+}

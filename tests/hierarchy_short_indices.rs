@@ -1,0 +1,102 @@
+//! Promise: 16-bit indices are those of 32 bits, or there are none.
+
+mod support;
+
+use std::sync::Arc;
+
+use multires::adapt::{Change, Dirty, DirtyRanges, LevelOfDetail, ShortIndices};
+use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+use multires::simplify::Simplifier;
+use multires::view::ObjectView;
+use support::lod::{POLICIES, shape, view};
+
+/// Triangles written by hand.
+#[derive(Default)]
+struct Written {
+    triangles: Vec<[u32; 3]>,
+    dirty: Dirty,
+}
+
+impl Written {
+    fn put(&mut self, at: usize, triangle: [u32; 3]) {
+        self.triangles.resize(self.triangles.len().max(at + 1), [0; 3]);
+        self.triangles[at] = triangle;
+        self.dirty.mark(at as u32);
+    }
+}
+
+impl LevelOfDetail for Written {
+    fn adapt(&mut self, _: &[ObjectView]) -> Change {
+        Change::default()
+    }
+
+    fn groups(&self) -> usize {
+        1
+    }
+
+    fn triangles(&self, _: usize) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    fn vertices(&self) -> Option<&[u32]> {
+        None
+    }
+
+    fn dirty_triangles(&self, _: usize, gap: usize) -> DirtyRanges<'_> {
+        self.dirty.ranges(self.triangles.len(), gap)
+    }
+
+    fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty.ranges(0, gap)
+    }
+
+    fn clean(&mut self) {
+        self.dirty.clear();
+    }
+}
+
+fn update(short: &mut ShortIndices, lod: &mut impl LevelOfDetail, group: usize) -> Option<Vec<[u32; 3]>> {
+    short.update(lod, group).map(|t| t.iter().map(|t| t.map(u32::from)).collect())
+}
+
+#[test]
+fn they_fit_up_to_65_534() {
+    let (mut lod, mut short) = (Written::default(), ShortIndices::default());
+    let mut check = |lod: &mut Written, fits: bool| {
+        let found = update(&mut short, lod, 0);
+        assert_eq!(found, fits.then(|| lod.triangles.clone()));
+        assert_eq!(short.is_new(), !fits);
+        lod.clean();
+    };
+    lod.put(2, [65_534, 1, 2]);
+    check(&mut lod, true);
+    lod.put(0, [3, 4, 65_535]);
+    check(&mut lod, false);
+    // What is written meanwhile is there when it fits again.
+    lod.put(1, [7, 8, 9]);
+    check(&mut lod, false);
+    lod.put(0, [3, 4, 5]);
+    check(&mut lod, true);
+    lod.put(0, [65_536, 4, 5]);
+    check(&mut lod, false);
+    lod.triangles.truncate(0);
+    check(&mut lod, true);
+}
+
+#[test]
+fn they_follow_the_level_of_detail() {
+    let mesh = shape(6);
+    let sequence = Simplifier::new().run(&mesh).unwrap();
+    let hierarchy = Arc::new(VertexHierarchy::build(&mesh, &sequence, POLICIES[0]).unwrap().hierarchy);
+    let mut lod = HierarchyLod::packed(hierarchy);
+    assert_eq!(lod.groups(), 3);
+    let mut short = [(); 3].map(|()| ShortIndices::default());
+    for frame in 0..40 {
+        let z = 3.0 - (frame as f32 * 0.3).sin() * 2.5;
+        lod.adapt(&[view(&mesh, [0.0, 0.0, z], 0.0, 0.5).of_world()]);
+        for (group, short) in short.iter_mut().enumerate() {
+            assert_eq!(update(short, &mut lod, group).as_deref(), Some(lod.triangles(group)));
+        }
+        lod.clean();
+    }
+}

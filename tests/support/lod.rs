@@ -1,0 +1,117 @@
+//! What tests of levels of detail share.
+
+use multires::adapt::{Cut, LevelOfDetail, Refinements};
+use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::mesh::{Mesh, shapes};
+use multires::view::{Answer, Bounds, Criterion, Motion, View};
+
+pub const POLICIES: [Dependencies; 3] =
+    [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+
+/// Needs what a hash says, as far as parents are needed: any closed set can be asked for.
+#[derive(Clone)]
+pub struct Random<'a> {
+    pub hierarchy: &'a VertexHierarchy,
+    pub needed: Vec<bool>,
+    pub seen: bool,
+}
+
+impl<'a> Random<'a> {
+    pub fn new(hierarchy: &'a VertexHierarchy, seed: u64, share: u64) -> Self {
+        let mut needed: Vec<bool> = Vec::new();
+        for split in 0..hierarchy.split_count() as u32 {
+            let hash =
+                (u64::from(split) + 1).wrapping_mul(seed | 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+            let own = hash % 100 < share;
+            needed.push(own && hierarchy.parents(split).all(|parent| needed[parent as usize]));
+        }
+        Self { hierarchy, needed, seen: true }
+    }
+}
+
+impl Criterion for Random<'_> {
+    fn needs(&self, bounds: &Bounds) -> Answer {
+        let first = self.hierarchy.bounds(0);
+        let split =
+            (std::ptr::from_ref(bounds).addr() - std::ptr::from_ref(first).addr()) / size_of::<Bounds>();
+        Answer::once(self.needed[split])
+    }
+
+    fn motion(&self, _: &Self) -> Motion {
+        Motion::Other
+    }
+
+    fn sees(&self, _: &Bounds) -> bool {
+        self.seen
+    }
+}
+
+/// The triangles that are drawn, by number, as vertices of the hierarchy.
+pub fn drawn(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
+    let mut all = Vec::new();
+    for group in 0..lod.groups() {
+        let named = lod.triangles(group).iter().map(|t| match lod.vertices() {
+            Some(vertices) => t.map(|slot| vertices[slot as usize]),
+            None => *t,
+        });
+        all.extend(lod.surface().drawn(group).iter().copied().zip(named));
+    }
+    all.sort_unstable();
+    all
+}
+
+/// The same from the definition.
+pub fn image(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
+    let triangles = lod.hierarchy().triangles().iter().enumerate();
+    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| lod.stand_in(v))));
+    all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
+}
+
+/// The splits that are drawn.
+pub fn shown(lod: &HierarchyLod) -> Vec<u32> {
+    (0..lod.hierarchy().split_count() as u32).filter(|&split| lod.shows(split)).collect()
+}
+
+/// The splits that are asked for.
+pub fn wanted(hierarchy: &VertexHierarchy, cut: &Cut) -> Vec<u32> {
+    (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split)).collect()
+}
+
+/// What is drawn is a closed set of splits and the image of the input under it.
+pub fn assert_valid(lod: &HierarchyLod) {
+    let hierarchy = lod.hierarchy();
+    for split in shown(lod) {
+        assert!(hierarchy.parents(split).chain(hierarchy.needs(split)).all(|other| lod.shows(other)));
+    }
+    assert_eq!(drawn(lod), image(lod));
+}
+
+pub fn shape(which: usize) -> Mesh {
+    match which {
+        0 => shapes::rock(2_000, 1),
+        1 => shapes::terrain(24, 3),
+        2 => shapes::uv_sphere(24, 12),
+        3 => shapes::book(5),
+        4 => shapes::two_spheres_touching(2),
+        5 => shapes::soup(200, 4),
+        6 => super::naive::torus(20, 30, true, true),
+        _ => shapes::box_with_face_normals(6),
+    }
+}
+
+/// A view of a mesh from somewhere around it (diagonals from its middle), turned about y; turned by 0 it looks along -z.
+pub fn view(mesh: &Mesh, [x, y, z]: [f32; 3], turn: f32, tolerance: f32) -> View {
+    let [low, high] = mesh.bounds().unwrap();
+    let diagonal = mesh.diagonal() as f32;
+    let middle = |i: usize| (low[i] + high[i]) * 0.5;
+    let eye = [middle(0) + x * diagonal, middle(1) + y * diagonal, middle(2) + z * diagonal];
+    let (sine, cosine) = turn.sin_cos();
+    let rows = [[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]];
+    let along = |row: [f32; 3]| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2]);
+    let column = |i: usize| [rows[0][i], rows[1][i], rows[2][i], 0.0];
+    let matrix = [column(0), column(1), column(2), [along(rows[0]), along(rows[1]), along(rows[2]), 1.0]];
+    View::perspective(matrix, 1.0, [640, 480])
+        .unwrap()
+        .with_tolerance_px(tolerance)
+        .with_silhouette_px(tolerance * 0.5)
+}
