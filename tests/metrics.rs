@@ -116,7 +116,7 @@ fn accumulated_quadric_agrees_where_nothing_is_counted_twice() {
 #[test]
 fn volume_area_adds_swept_signed_and_area() {
     // Volumes 2/3 swept and as much signed; area 4 sqrt(3)/2 becomes 2; the edge is sqrt 2 long.
-    let volumes = 2.0 / 3.0 + 2.0 * 2.0 / 3.0;
+    let volumes = 2.0 / 3.0 + 3.0 * 2.0 / 3.0;
     let area = 2.0 * 3f64.sqrt() - 2.0;
     let expected = volumes + 2f64.sqrt() * 0.5 * area + 1e-6 * 2f64.sqrt().powi(3);
     assert_near(cost_at_kept(VolumeArea::new(), 3), expected);
