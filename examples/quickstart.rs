@@ -121,7 +121,7 @@ fn run(model: Option<&Path>, out: &Path, says: &mut impl Write) -> Result<(), Bo
     }
 
     let file = out.join("levels.png");
-    png::save(picture::levels(&mesh, &levels)?, &file).map_err(|error| name_file(&file, &*error))?;
+    png::save(picture::levels(&mesh, &levels)?, 6, &file).map_err(|error| name_file(&file, &*error))?;
     writeln!(
         says,
         "\n{}: the levels within {} % of the diagonal; all of them as PLY beside it",
