@@ -14,7 +14,7 @@ pub struct Panel<'a> {
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 20.0;
-const PANEL: f64 = 150.0;
+const PANEL: f64 = 120.0;
 const TITLE: f64 = 34.0;
 const FOOT: f64 = 46.0;
 
