@@ -99,7 +99,7 @@ impl Pose {
     }
 
     /// A point as the eye has it: right, up, depth.
-    pub fn to_eye(&self, point: DVec3) -> DVec3 {
+    pub fn to_eye(self, point: DVec3) -> DVec3 {
         DVec3::from_array(self.axes().map(|axis| (point - self.eye).dot(axis)))
     }
 
