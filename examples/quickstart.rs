@@ -9,8 +9,13 @@
 
 #[path = "support/picture.rs"]
 mod picture;
+#[path = "support/png.rs"]
+mod png;
+#[path = "support/say.rs"]
+mod say;
 
 use std::error::Error;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -19,6 +24,7 @@ use multires::mesh::shapes;
 use multires::simplify::StopReason;
 use multires::tom::{Resolution, TotallyOrderedMesh};
 use multires::{Level, Simplifier, io};
+use say::{grouped, name_file};
 
 /// Levels are in the picture where their error is at most this share of the diagonal.
 const PICTURED: f64 = 0.05;
@@ -37,27 +43,22 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    match run(model.as_deref(), &out) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    say::to_stdout(|says| run(model.as_deref(), &out, says))
 }
 
-fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
+fn run(model: Option<&Path>, out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let mesh = match model {
         None => shapes::demo(),
         Some(path) => io::read(path).map_err(|error| name_file(path, &error))?,
     };
     let name = model.and_then(Path::file_name).map_or("demo".into(), |name| name.to_string_lossy());
     let diagonal = mesh.diagonal();
-    println!(
+    writeln!(
+        says,
         "{name}: {} triangles, {} vertices, diagonal {diagonal:.4}",
         grouped(mesh.triangles().len()),
         grouped(mesh.positions().len()),
-    );
+    )?;
 
     // Build once: every collapse down to the base mesh, then all levels in one order of vertices and triangles.
     let start = Instant::now();
@@ -72,21 +73,23 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
         StopReason::NothingLegal => "no legal collapse is left",
         _ => "a target was reached",
     };
-    println!(
+    writeln!(
+        says,
         "built in {}: {} collapses in {}, down to {} triangles ({why})",
         seconds(total),
         grouped(report.steps),
         seconds(simplified),
         grouped(report.triangles)
-    );
+    )?;
     let plain = 24 * tom.vertex_count() + 12 * tom.triangle_count();
-    println!(
+    writeln!(
+        says,
         "all levels in {} kB, {:.1} % of the plain mesh (positions and normals, 32-bit indices)\n",
         grouped(tom.memory(24) / 1000),
         100.0 * tom.memory(24) as f64 / plain.max(1) as f64
-    );
+    )?;
 
-    println!("     %   triangles    vertices         error   % of diagonal   extraction");
+    writeln!(says, "     %   triangles    vertices         error   % of diagonal   extraction")?;
     std::fs::create_dir_all(out).map_err(|error| name_file(out, &error))?;
     let (mut indices, mut levels) = (Vec::new(), Vec::new());
     for percent in PERCENTS {
@@ -97,32 +100,34 @@ fn run(model: Option<&Path>, out: &Path) -> Result<(), Box<dyn Error>> {
         // The sequence knows the same levels, and measured how far the input lies from each.
         let steps = sequence.steps_for_triangles(resolution.triangles());
         let error = sequence.error_after(steps);
-        println!(
+        writeln!(
+            says,
             "{percent:6.1}  {:>10}  {:>10}  {:>12}  {:>14}  {:>8.1} us",
             grouped(resolution.triangles()),
             grouped(resolution.vertices()),
             significant(f64::from(error)),
             if diagonal > 0.0 { format!("{:.4}", 100.0 * f64::from(error) / diagonal) } else { "-".into() },
             time.as_secs_f64() * 1e6,
-        );
+        )?;
         let level = sequence.extract(&mesh, steps);
         io::write(out.join(format!("level-{percent}.ply")), &level)?;
         if f64::from(error) <= PICTURED * diagonal {
             levels.push((caption(percent, resolution), level));
         }
         if resolution == tom.coarsest() {
-            println!("        the base mesh: nothing is coarser");
+            writeln!(says, "        the base mesh: nothing is coarser")?;
             break;
         }
     }
 
     let file = out.join("levels.png");
-    picture::save(picture::levels(&mesh, &levels)?, &file).map_err(|error| name_file(&file, &*error))?;
-    println!(
+    png::save(picture::levels(&mesh, &levels)?, 6, &file).map_err(|error| name_file(&file, &*error))?;
+    writeln!(
+        says,
         "\n{}: the levels within {} % of the diagonal; all of them as PLY beside it",
         file.display(),
         100.0 * PICTURED
-    );
+    )?;
     Ok(())
 }
 
@@ -144,12 +149,6 @@ fn arguments() -> Result<(Option<PathBuf>, PathBuf), String> {
     Ok((model, out))
 }
 
-/// An error with the file it is about, once.
-fn name_file(path: &Path, error: &dyn Error) -> String {
-    let (path, message) = (path.display().to_string(), error.to_string());
-    if message.contains(&path) { message } else { format!("{path}: {message}") }
-}
-
 /// The median time of some runs.
 fn median(mut work: impl FnMut()) -> Duration {
     let mut times: Vec<Duration> = (0..REPEATS)
@@ -161,19 +160,6 @@ fn median(mut work: impl FnMut()) -> Duration {
         .collect();
     times.sort_unstable();
     times[REPEATS / 2]
-}
-
-/// With a comma at every thousand.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }
 
 fn seconds(time: Duration) -> String {

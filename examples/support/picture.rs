@@ -4,11 +4,7 @@
 mod lettering;
 
 use std::error::Error;
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
 use multires::mesh::Mesh;
 use multires::quality::{Camera, Colours, Picture, RenderOptions, Shading, render};
@@ -61,14 +57,6 @@ pub fn levels(mesh: &Mesh, levels: &[(String, Mesh)]) -> Result<RgbImage, Box<dy
         lettering::write(&mut sheet, caption, middle, INK);
     }
     Ok(sheet)
-}
-
-/// Writes a picture as a small PNG: colours in steps of 4, which is not seen, take a third less.
-pub fn save(mut picture: RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
-    picture.iter_mut().for_each(|value| *value = (*value & !3) | (*value >> 6));
-    let file = BufWriter::new(File::create(path)?);
-    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
-    Ok(picture.write_with_encoder(encoder)?)
 }
 
 /// The box, from and to, outside of which all pictures are blank; the whole if they all are.
