@@ -8,9 +8,12 @@
 //!        .   .   .   .    the fringe: not asked for, but all that it needs is     -> may come
 //! ```
 //!
-//! An answer comes with a slack: how far the eye may move and turn before it can change. Until the odometer has run that
-//! far nobody asks again. Since tests are monotone in nested bounds, looking at rim and fringe finds all there is; and since
-//! an answer depends on the view alone, so does the set, whatever it was before.
+//! An answer comes with a slack: how far the eye may move and turn before it can change. Nobody asks again until then. There
+//! is one odometer for each of some *arms*: it runs by what the eye moved or by what the end of the arm swept, whichever is
+//! more. A sleeper goes by the one on which, if all goes on as it last went, it sleeps longest.
+//!
+//! Since tests are monotone in nested bounds, looking at rim and fringe finds all there is; and since an answer depends on
+//! the view alone, so does the set, whatever it was before.
 
 use crate::view::{Answer, Criterion, Motion};
 
@@ -24,6 +27,12 @@ const ASLEEP: u8 = 2;
 /// In the mesh: asked for, or needed by what is.
 pub(super) const DONE: u8 = 4;
 
+/// Number of arms, each a quarter of the next; the longest is the object's size times `4^LONGEST`.
+const ARMS: usize = 10;
+const LONGEST: i32 = 2;
+/// A share of every slack that is kept for what the last motion did not do: one in so many.
+const KEPT: f64 = 16.0;
+
 /// Shrinks slacks by more than what sums of floats lose.
 const CAUTION: f64 = 1.0 - 1e-9;
 
@@ -32,11 +41,12 @@ pub(super) struct Front {
     /// Flags of every refinement.
     pub state: Vec<u8>,
     next: Vec<u32>,
-    /// Those that only moving wakes, and those that turning wakes too.
-    moved: Wheel,
-    moved_or_turned: Wheel,
-    /// Length that a turn of one radian counts for.
-    arm: f64,
+    /// Those that only moving wakes; then those that turning wakes too, by arm.
+    wheels: [Wheel; 1 + ARMS],
+    /// Length of the arm of every wheel.
+    arms: [f64; 1 + ARMS],
+    /// What the last motion moved for each radian that it turned.
+    course: f64,
     work: Vec<u32>,
     /// Answers asked for so far.
     pub tests: u64,
@@ -49,9 +59,11 @@ impl Front {
         Self {
             state: vec![0; count],
             next: vec![0; count],
-            moved: Wheel::new(tick),
-            moved_or_turned: Wheel::new(tick),
-            arm: size,
+            wheels: std::array::from_fn(|_| Wheel::new(tick)),
+            arms: std::array::from_fn(|wheel| {
+                if wheel == 0 { 0.0 } else { size.max(tick) * 4_f64.powi(LONGEST + 1 - wheel as i32) }
+            }),
+            course: size,
             work: Vec::new(),
             tests: 0,
         }
@@ -106,38 +118,52 @@ impl Front {
 
     fn sleep(&mut self, r: u32, answer: Answer) {
         self.state[r as usize] |= ASLEEP;
-        if answer.turned == f64::INFINITY {
-            if answer.moved < f64::INFINITY {
-                self.moved.put(r, answer.moved * CAUTION, &mut self.next);
+        let Answer { moved, turned, .. } = answer;
+        if turned == f64::INFINITY {
+            if moved < f64::INFINITY {
+                self.wheels[0].put(r, moved * CAUTION, &mut self.next);
             }
-        } else {
-            let slack = answer.moved.min(answer.turned * self.arm);
-            self.moved_or_turned.put(r, slack * CAUTION, &mut self.next);
+            return;
         }
+        // The arm nearest to the course. The exponent of a quotient is near enough to its logarithm.
+        let ratio = moved.max(f64::MIN_POSITIVE) / turned;
+        let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
+        let halvings = ((self.arms[1] / arm).to_bits() >> 52) as i32 - 1022;
+        let wheel = (halvings / 2).clamp(0, ARMS as i32 - 1) as usize + 1;
+        // The odometer may run by `slack` in moving and at the same time in turning.
+        let turned = turned * self.arms[wheel];
+        let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
+        // Nothing is left where both are 0.
+        self.wheels[wheel].put(r, if slack > 0.0 { slack * CAUTION } else { 0.0 }, &mut self.next);
     }
 
     fn wake<R: Refinements + ?Sized>(&mut self, of: &R, motion: Motion) {
-        let Self { state, next, work, .. } = self;
-        match motion {
+        let runs: [f64; 1 + ARMS] = match motion {
             Motion::Moved { distance, angle } if distance.is_finite() && angle.is_finite() => {
-                let mut wake = |r: u32| {
-                    state[r as usize] &= !ASLEEP;
-                    work.push(r);
-                };
-                self.moved.advance(distance, next, &mut wake);
-                self.moved_or_turned.advance(distance + angle * self.arm, next, &mut wake);
+                self.course = distance / angle.max(f64::MIN_POSITIVE);
+                self.arms.map(|arm| distance.max(angle * arm))
             }
-            _ => {
-                self.moved.clear();
-                self.moved_or_turned.clear();
-                state.iter_mut().for_each(|s| *s &= !ASLEEP);
-                work.extend(of.roots());
-                for r in 0..state.len() as u32 {
-                    if state[r as usize] & ASKED != 0 {
-                        work.push(r);
-                        work.extend(of.children(r).filter(|&child| state[child as usize] & ASKED == 0));
-                    }
-                }
+            _ => [f64::NAN; 1 + ARMS],
+        };
+        let Self { state, next, work, wheels, .. } = self;
+        if wheels.iter().zip(runs).all(|(wheel, run)| wheel.can_run(run)) {
+            let mut wake = |r: u32| {
+                state[r as usize] &= !ASLEEP;
+                work.push(r);
+            };
+            for (wheel, run) in wheels.iter_mut().zip(runs) {
+                wheel.advance(run, next, &mut wake);
+            }
+            return;
+        }
+        // No answer holds.
+        wheels.iter_mut().for_each(Wheel::clear);
+        state.iter_mut().for_each(|s| *s &= !ASLEEP);
+        work.extend(of.roots());
+        for r in 0..state.len() as u32 {
+            if state[r as usize] & ASKED != 0 {
+                work.push(r);
+                work.extend(of.children(r).filter(|&child| state[child as usize] & ASKED == 0));
             }
         }
     }
@@ -146,6 +172,6 @@ impl Front {
 impl Front {
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
-        self.state.len() + size_of_val(&self.next[..]) + self.moved.memory() + self.moved_or_turned.memory()
+        self.state.len() + size_of_val(&self.next[..]) + self.wheels.iter().map(Wheel::memory).sum::<usize>()
     }
 }

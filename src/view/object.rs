@@ -78,13 +78,13 @@ impl View {
 
 /// Where a sphere is, as all tests see it.
 struct Place {
-    /// From the eye to its centre, unit length; ahead where the eye is at the centre.
-    towards: DVec3,
+    /// From the eye to its centre; by an orthographic view the direction of view.
+    to: DVec3,
+    /// Length of `to`, and its square; the latter is 1 by an orthographic view.
     distance: f64,
+    square: f64,
     /// To the nearest point of the sphere; negative inside it.
     gap: f64,
-    /// Sine and cosine of half the angle under which the sphere is seen.
-    half: [f64; 2],
 }
 
 impl ObjectView {
@@ -102,67 +102,66 @@ impl ObjectView {
         }
     }
 
+    #[inline]
     fn place(&self, bounds: &Bounds) -> Place {
-        let centre = DVec3::from_array(bounds.centre.map(f64::from));
-        let radius = f64::from(bounds.radius);
         match self.eye {
-            Eye::At { eye, forward, .. } => {
-                let to = centre - eye;
-                let distance = to.length();
-                let gap = distance - radius;
-                let sine = if gap > 0.0 { radius / distance } else { 1.0 };
-                Place {
-                    towards: if distance > 0.0 { to / distance } else { forward },
-                    distance,
-                    gap,
-                    half: [sine, ((1.0 - sine) * (1.0 + sine)).sqrt()],
-                }
+            Eye::At { eye, .. } => {
+                let to = DVec3::from_array(bounds.centre.map(f64::from)) - eye;
+                let square = to.length_squared();
+                let distance = square.sqrt();
+                Place { to, distance, square, gap: distance - f64::from(bounds.radius) }
             }
             Eye::Along { forward, .. } => {
-                Place { towards: forward, distance: f64::INFINITY, gap: f64::INFINITY, half: [0.0, 1.0] }
+                Place { to: forward, distance: f64::INFINITY, square: 1.0, gap: f64::INFINITY }
             }
         }
     }
 
     /// Whether the sphere reaches into the frustum.
+    #[inline]
     fn in_frustum(&self, bounds: &Bounds, place: &Place) -> Answer {
         if !self.frustum {
             return Answer::ALWAYS;
         }
         let centre = DVec3::from_array(bounds.centre.map(f64::from)).extend(1.0);
-        let inside = self.planes[..self.plane_count].iter().map(|plane| plane.dot(centre));
-        let inside = inside.fold(f64::INFINITY, f64::min) + f64::from(bounds.radius);
-        // The distance from a plane changes by no more than the eye moves, and the planes turn about the eye. Half of
-        // the slack for each. An orthographic view that turns is another view.
-        let half = 0.5 * inside.abs();
-        match self.eye {
-            Eye::At { .. } => {
-                Answer { refine: inside >= 0.0, moved: half, turned: half / (place.distance + half) }
-            }
-            Eye::Along { .. } => Answer { refine: inside >= 0.0, moved: 2.0 * half, turned: f64::INFINITY },
+        let mut inside = f64::INFINITY;
+        for plane in &self.planes[..self.plane_count] {
+            let distance = plane.dot(centre);
+            inside = if distance < inside { distance } else { inside };
         }
+        inside += f64::from(bounds.radius);
+        // The distance from a plane changes by no more than the eye moves; and the planes turn about the eye, which is
+        // no farther than it may have moved away. An orthographic view that turns is another view.
+        let slack = inside.abs();
+        let turned = match self.eye {
+            Eye::At { .. } => slack / (place.distance + slack),
+            Eye::Along { .. } => f64::INFINITY,
+        };
+        Answer { refine: inside >= 0.0, moved: slack, turned }
     }
 
     /// Where the cone of normals stands to the directions in which the sphere is seen: `facing` is how far (as the sine of
     /// an angle) from turning wholly away, `silhouette` how far from having no normal at a right angle to the eye.
+    #[inline]
     fn facing(&self, bounds: &Bounds, place: &Place) -> (Answer, Answer) {
-        let Some((axis, angle)) = bounds.unpacked() else { return (Answer::ALWAYS, Answer::ALWAYS) };
+        let Some((axis, [sine, cosine])) = bounds.facing() else { return (Answer::ALWAYS, Answer::ALWAYS) };
         if place.gap <= 0.0 {
             let inside = Answer { refine: true, moved: -place.gap, turned: f64::INFINITY };
             return (inside, inside);
         }
-        let (sine, cosine) = angle.sin_cos();
-        // Angle of the cone plus half the angle of the sphere: from here on `wide`.
-        let [half_sine, half_cosine] = place.half;
+        // Half the angle under which the sphere is seen.
+        let half_sine = f64::from(bounds.radius) / place.distance;
+        let half_cosine = ((1.0 - half_sine) * (1.0 + half_sine)).sqrt();
+        // Angle of the cone plus that half: from here on `wide`.
         let (wide_sine, wide_cosine) =
             (sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine);
         // Angle by which the axis points away from the eye beyond a right angle to the line of sight.
-        let away = axis.dot(place.towards).clamp(-1.0, 1.0);
+        let away = (axis.dot(place.to) / (axis.length_squared() * place.square).sqrt()).clamp(-1.0, 1.0);
         let away_cosine = ((1.0 - away) * (1.0 + away)).sqrt();
         // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
         let within = |sine: f64, cosine: f64| {
             let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
-            if place.gap.is_finite() { place.gap * allowed } else { f64::INFINITY }
+            if place.gap < f64::INFINITY { place.gap * allowed } else { f64::INFINITY }
         };
         let compare = |away: f64| {
             // Sine and cosine of `wide - away`.
