@@ -27,6 +27,9 @@ const ASLEEP: u8 = 2;
 /// In the mesh: asked for, or needed by what is.
 pub(super) const DONE: u8 = 4;
 
+/// Known to be of the rim or the fringe, so that most sleepers who wake need not look at their neighbours.
+const AT_FRONT: u8 = 8;
+
 /// Number of arms, each a quarter of the next; the longest is the object's size times `4^LONGEST`.
 const ARMS: usize = 10;
 const LONGEST: i32 = 2;
@@ -84,7 +87,9 @@ impl Front {
                 continue;
             }
             let asked = state & ASKED != 0;
-            let due = if asked {
+            let due = if state & AT_FRONT != 0 {
+                true
+            } else if asked {
                 !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
             } else {
                 of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
@@ -93,25 +98,25 @@ impl Front {
                 continue;
             }
             self.tests += 1;
+            self.state[r as usize] |= AT_FRONT;
             let answer = criterion.needs(of.bounds(r));
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
                 changed(&mut self.state, r, answer.refine);
             }
             self.sleep(r, answer);
-            // Those for whom the rim has moved.
-            if answer.refine && !asked {
-                for child in of.children(r) {
-                    if self.state[child as usize] & ASLEEP == 0 {
-                        self.work.push(child);
-                    }
-                }
-            } else if asked && !answer.refine {
-                for parent in of.parents(r) {
-                    if self.state[parent as usize] & ASLEEP == 0 {
-                        self.work.push(parent);
-                    }
-                }
+            if answer.refine == asked {
+                continue;
+            }
+            // Those for whom the rim has moved: on one side they leave the front, on the other they may have come to it.
+            let Self { state, work, .. } = self;
+            let mut leave = |other: u32| state[other as usize] &= !AT_FRONT;
+            if asked {
+                of.children(r).for_each(&mut leave);
+                work.extend(of.parents(r).filter(|&parent| state[parent as usize] & ASLEEP == 0));
+            } else {
+                of.parents(r).for_each(&mut leave);
+                work.extend(of.children(r).filter(|&child| state[child as usize] & ASLEEP == 0));
             }
         }
     }

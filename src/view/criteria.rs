@@ -90,7 +90,11 @@ pub trait Criterion {
 
 /// Several views at once (split screen, shadow cascades): needed where any needs it.
 impl<C: Criterion> Criterion for [C] {
+    #[inline]
     fn needs(&self, bounds: &Bounds) -> Answer {
+        if let [one] = self {
+            return one.needs(bounds);
+        }
         let mut answer = Answer::NEVER;
         for view in self {
             answer = answer.or(view.needs(bounds));

@@ -87,6 +87,47 @@ struct Place {
     gap: f64,
 }
 
+/// Normals against lines of sight, as sines and cosines of angles.
+struct Facing {
+    /// Half the cone's angle plus half the angle under which the sphere is seen.
+    wide: [f64; 2],
+    /// By how much the axis points away from the eye beyond a right angle to the line of sight.
+    away: [f64; 2],
+    gap: f64,
+}
+
+impl Facing {
+    /// Whether any normal may be at a right angle to a line of sight or beyond, towards the eye.
+    #[inline]
+    fn front(&self) -> Answer {
+        self.compare(self.away[0])
+    }
+
+    /// The same away from the eye.
+    #[inline]
+    fn back(&self) -> Answer {
+        self.compare(-self.away[0])
+    }
+
+    #[inline]
+    fn compare(&self, away: f64) -> Answer {
+        if self.gap <= 0.0 {
+            return Answer { refine: true, moved: -self.gap, turned: f64::INFINITY };
+        }
+        let ([wide_sine, wide_cosine], away_cosine) = (self.wide, self.away[1]);
+        // Sine and cosine of `wide - away`.
+        let sine = wide_sine * away_cosine - wide_cosine * away;
+        let cosine = wide_cosine * away_cosine + wide_sine * away;
+        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
+        let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
+        let moved = if self.gap < f64::INFINITY { self.gap * allowed } else { f64::INFINITY };
+        Answer { refine: sine >= 0.0 || wide_cosine <= 0.0, moved, turned: f64::INFINITY }
+    }
+}
+
+/// A no on account of the error that holds for this share of the distance is not worth asking whether another holds longer.
+const LONG: f64 = 0.125;
+
 impl ObjectView {
     /// The same with tolerances multiplied by a factor: how a budget coarsens what a view asks for.
     #[must_use]
@@ -140,53 +181,19 @@ impl ObjectView {
         Answer { refine: inside >= 0.0, moved: slack, turned }
     }
 
-    /// Where the cone of normals stands to the directions in which the sphere is seen: `facing` is how far (as the sine of
-    /// an angle) from turning wholly away, `silhouette` how far from having no normal at a right angle to the eye.
+    /// Where a cone of normals stands to the directions in which its sphere is seen; `None` where it holds all directions.
     #[inline]
-    fn facing(&self, bounds: &Bounds, place: &Place) -> (Answer, Answer) {
-        let Some((axis, [sine, cosine])) = bounds.facing() else { return (Answer::ALWAYS, Answer::ALWAYS) };
+    fn facing(&self, bounds: &Bounds, place: &Place) -> Option<Facing> {
+        let (axis, [sine, cosine]) = bounds.facing()?;
         if place.gap <= 0.0 {
-            let inside = Answer { refine: true, moved: -place.gap, turned: f64::INFINITY };
-            return (inside, inside);
+            return Some(Facing { wide: [1.0, -1.0], away: [0.0, 1.0], gap: place.gap });
         }
-        // Half the angle under which the sphere is seen.
         let half_sine = f64::from(bounds.radius) / place.distance;
         let half_cosine = ((1.0 - half_sine) * (1.0 + half_sine)).sqrt();
-        // Angle of the cone plus that half: from here on `wide`.
-        let (wide_sine, wide_cosine) =
-            (sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine);
-        // Angle by which the axis points away from the eye beyond a right angle to the line of sight.
-        let away = (axis.dot(place.to) / (axis.length_squared() * place.square).sqrt()).clamp(-1.0, 1.0);
-        let away_cosine = ((1.0 - away) * (1.0 + away)).sqrt();
-        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
-        let within = |sine: f64, cosine: f64| {
-            let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
-            if place.gap < f64::INFINITY { place.gap * allowed } else { f64::INFINITY }
-        };
-        let compare = |away: f64| {
-            // Sine and cosine of `wide - away`.
-            let (sine, cosine) =
-                (wide_sine * away_cosine - wide_cosine * away, wide_cosine * away_cosine + wide_sine * away);
-            Answer {
-                refine: sine >= 0.0 || wide_cosine <= 0.0,
-                moved: within(sine, cosine),
-                turned: f64::INFINITY,
-            }
-        };
-        let front = compare(away);
-        let back = compare(-away);
-        let silhouette = Answer {
-            refine: front.refine && back.refine,
-            moved: if front.refine == back.refine {
-                front.moved.min(back.moved)
-            } else if front.refine {
-                back.moved
-            } else {
-                front.moved
-            },
-            turned: f64::INFINITY,
-        };
-        (front, silhouette)
+        let wide = [sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine];
+        let away = axis.dot(place.to) / (axis.length_squared() * place.square).sqrt();
+        let away = away.clamp(-1.0, 1.0);
+        Some(Facing { wide, away: [away, ((1.0 - away) * (1.0 + away)).sqrt()], gap: place.gap })
     }
 
     /// Whether an error is too large at the nearest point of the sphere.
@@ -219,23 +226,30 @@ impl Criterion for ObjectView {
             ErrorKind::Geometric => bounds.error,
             ErrorKind::Parametric => bounds.parametric,
         });
-        let mut large = self.too_large(error, self.reach, &place);
-        let facing =
-            (self.back_faces || self.silhouette_reach > self.reach).then(|| self.facing(bounds, &place));
-        if let Some((_, silhouette)) = facing {
-            if !large.refine && self.silhouette_reach > self.reach {
-                large = large.or(self.too_large(error, self.silhouette_reach, &place).and(silhouette));
+        let mut answer = self.too_large(error, self.reach, &place);
+        let mut facing = None;
+        if !answer.refine && self.silhouette_reach > self.reach {
+            facing = self.facing(bounds, &place);
+            let both = facing.as_ref().map_or(Answer::ALWAYS, |facing| facing.front().and(facing.back()));
+            answer = answer.or(self.too_large(error, self.silhouette_reach, &place).and(both));
+        }
+        if self.focus.is_some() {
+            answer = answer.or(self.in_focus(bounds));
+        }
+        if !answer.refine && answer.moved > LONG * place.gap {
+            return answer;
+        }
+        if self.back_faces {
+            let facing = facing.or_else(|| self.facing(bounds, &place));
+            if let Some(facing) = facing {
+                answer = answer.and(facing.front());
             }
         }
-        large = large.or(self.in_focus(bounds));
-        if let (Some((front, _)), true) = (facing, self.back_faces) {
-            large = large.and(front);
-        }
         // Turning wakes only what the frustum decides.
-        if !large.refine && large.moved > 0.0 {
-            return large;
+        if !answer.refine && answer.moved > 0.0 {
+            return answer;
         }
-        large.and(self.in_frustum(bounds, &place))
+        answer.and(self.in_frustum(bounds, &place))
     }
 
     fn motion(&self, before: &Self) -> Motion {
