@@ -39,6 +39,11 @@ const KEPT: f64 = 16.0;
 /// Shrinks slacks by more than what sums of floats lose.
 const CAUTION: f64 = 1.0 - 1e-9;
 
+/// A slack as it is waited for: none where it is not a number, as where both of its parts are 0.
+fn caution(slack: f64) -> f64 {
+    if slack > 0.0 { slack * CAUTION } else { 0.0 }
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Front {
     /// Flags of every refinement.
@@ -58,7 +63,8 @@ pub(super) struct Front {
 impl Front {
     /// Nothing asked for, nothing known. `size` is the object's, object units.
     pub fn new(count: usize, size: f64) -> Self {
-        let tick = if size > 0.0 { size * 1e-6 } else { 1.0 };
+        // Not so short that there is no number for a tick.
+        let tick = if size > 1e-290 { size * 1e-6 } else { 1.0 };
         Self {
             state: vec![0; count],
             next: vec![0; count],
@@ -121,25 +127,26 @@ impl Front {
         }
     }
 
+    #[inline]
     fn sleep(&mut self, r: u32, answer: Answer) {
         self.state[r as usize] |= ASLEEP;
         let Answer { moved, turned, .. } = answer;
         if turned == f64::INFINITY {
-            if moved < f64::INFINITY {
-                self.wheels[0].put(r, moved * CAUTION, &mut self.next);
+            if moved != f64::INFINITY {
+                self.wheels[0].put(r, caution(moved), &mut self.next);
             }
             return;
         }
-        // The arm nearest to the course. The exponent of a quotient is near enough to its logarithm.
+        // The arm nearest to the course. Exponents are near enough to logarithms.
         let ratio = moved.max(f64::MIN_POSITIVE) / turned;
         let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
-        let halvings = ((self.arms[1] / arm).to_bits() >> 52) as i32 - 1022;
-        let wheel = (halvings / 2).clamp(0, ARMS as i32 - 1) as usize + 1;
+        let exponent = |x: f64| (x.to_bits() >> 52) as i32;
+        let quarters = (exponent(self.arms[1]) - exponent(arm) + 1) >> 1;
+        let wheel = quarters.clamp(0, ARMS as i32 - 1) as usize + 1;
         // The odometer may run by `slack` in moving and at the same time in turning.
         let turned = turned * self.arms[wheel];
         let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
-        // Nothing is left where both are 0.
-        self.wheels[wheel].put(r, if slack > 0.0 { slack * CAUTION } else { 0.0 }, &mut self.next);
+        self.wheels[wheel].put(r, caution(slack), &mut self.next);
     }
 
     fn wake<R: Refinements + ?Sized>(&mut self, of: &R, motion: Motion) {

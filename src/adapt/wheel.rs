@@ -29,14 +29,14 @@ pub(super) struct Wheel {
     /// Ticks run so far, and the part of one since.
     now: u64,
     part: f64,
-    /// Object units a tick.
-    tick: f64,
+    /// Ticks an object unit.
+    ticks: f64,
 }
 
 impl Wheel {
     /// An empty wheel with ticks of this length.
     pub fn new(tick: f64) -> Self {
-        Self { heads: Vec::new(), taken: [0; LEVELS], soon: NONE, now: 0, part: 0.0, tick }
+        Self { heads: Vec::new(), taken: [0; LEVELS], soon: NONE, now: 0, part: 0.0, ticks: 1.0 / tick }
     }
 
     /// Forgets all sleepers.
@@ -50,7 +50,7 @@ impl Wheel {
 
     /// Whether the odometer can still run that far. If not, the wheel must be cleared.
     pub fn can_run(&self, distance: f64) -> bool {
-        self.now < FOREVER && distance / self.tick < FOREVER as f64
+        self.now < FOREVER && distance * self.ticks < FOREVER as f64
     }
 
     /// Bytes of its slots.
@@ -62,20 +62,17 @@ impl Wheel {
     #[inline]
     pub fn put(&mut self, sleeper: u32, slack: f64, next: &mut [u32]) {
         // A cast rounds down.
-        let ahead = (self.part + slack / self.tick).min(FOREVER as f64) as u64;
+        let ahead = (self.part + slack * self.ticks).min(FOREVER as f64) as u64;
         let (now, until) = (self.now, self.now + ahead);
         let list = if ahead == 0 {
             &mut self.soon
         } else {
             // The finest level whose slots reach that far.
-            let mut level = (ahead.ilog2().saturating_sub(SLOTS.ilog2() - 1) / WIDER) as usize;
-            while level + 1 < LEVELS
-                && (until >> (WIDER * level as u32)) - (now >> (WIDER * level as u32)) >= SLOTS
-            {
-                level += 1;
-            }
-            let (first, last) = (now >> (WIDER * level as u32), until >> (WIDER * level as u32));
-            let slot = last.min(first + SLOTS - 1) % SLOTS;
+            let level = (ahead.ilog2() + 1).saturating_sub(SLOTS.ilog2()).div_ceil(WIDER) as usize;
+            let level = level.min(LEVELS - 1);
+            let shift = WIDER * level as u32;
+            // Half a slot may be gone: one slot more, which the wheel does not have.
+            let slot = (until >> shift).min((now >> shift) + SLOTS - 1) % SLOTS;
             if self.heads.is_empty() {
                 self.heads = vec![NONE; SLOTS as usize * LEVELS];
             }
@@ -100,7 +97,7 @@ impl Wheel {
             }
         };
         drain(&mut self.soon);
-        let run = self.part + distance / self.tick;
+        let run = self.part + distance * self.ticks;
         let (now, until) = (self.now, self.now + run.min(FOREVER as f64) as u64);
         self.part = run.fract();
         self.now = until;

@@ -33,7 +33,7 @@ pub(crate) const VIEWPORT: [u32; 2] = [1920, 1080];
 pub(crate) const FIELD_OF_VIEW_DEGREES: f32 = 60.0;
 
 /// Selections a frame of the cluster hierarchy: one is too short for the clock.
-const REPEATS: usize = 16;
+const REPEATS: usize = 1;
 /// Triangles between two changed ones that are copied along.
 const GAP: usize = 8;
 /// Of how many frames the front is counted in one.
