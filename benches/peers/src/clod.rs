@@ -32,6 +32,9 @@ struct Cluster {
     refined: i32,
     start: u32,
     end: u32,
+    /// Sphere around it.
+    centre: [f32; 3],
+    radius: f32,
 }
 
 /// Where it is looked at from.
@@ -64,7 +67,13 @@ impl ClusterDag {
             for cluster in made {
                 let start = indices.len() as u32;
                 indices.extend_from_slice(cluster.indices);
-                clusters.push(Cluster { refined: cluster.refined, start, end: indices.len() as u32 });
+                clusters.push(Cluster {
+                    refined: cluster.refined,
+                    start,
+                    end: indices.len() as u32,
+                    centre: cluster.bounds.center,
+                    radius: cluster.bounds.radius,
+                });
             }
             groups.push(group);
             first.push(clusters.len() as u32);
@@ -97,6 +106,16 @@ impl ClusterDag {
                 }
             }
         }
+    }
+
+    /// Triangles of those selected clusters whose spheres reach inside all planes (unit normals inward, offsets).
+    pub fn inside(&self, selected: &[u32], planes: &[[f64; 4]; 5]) -> usize {
+        let clusters = selected.iter().map(|&cluster| &self.clusters[cluster as usize]);
+        let inside = clusters.filter(|cluster| {
+            let [px, py, pz] = cluster.centre.map(f64::from);
+            planes.iter().all(|[x, y, z, w]| x * px + y * py + z * pz + w >= -f64::from(cluster.radius))
+        });
+        inside.map(|cluster| (cluster.end - cluster.start) as usize / 3).sum()
     }
 
     /// The indices of all that is drawn, in one buffer.

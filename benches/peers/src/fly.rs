@@ -32,8 +32,6 @@ use crate::statistics::{mean, median, percentile_99, sorted};
 pub(crate) const VIEWPORT: [u32; 2] = [1920, 1080];
 pub(crate) const FIELD_OF_VIEW_DEGREES: f32 = 60.0;
 
-/// Selections a frame of the cluster hierarchy: one is too short for the clock.
-const REPEATS: usize = 1;
 /// Triangles between two changed ones that are copied along.
 const GAP: usize = 8;
 /// Of how many frames the front is counted in one.
@@ -157,7 +155,7 @@ struct Flyer {
 }
 
 enum Kind {
-    Clusters { dag: ClusterDag, looks: Vec<Look>, positions: Vec<[f32; 3]> },
+    Clusters { dag: ClusterDag, looks: Vec<Look> },
     Splits { lod: Box<HierarchyLod>, positions: Vec<[f32; 3]> },
 }
 
@@ -182,7 +180,7 @@ impl Flyer {
         let reach = VIEWPORT[1] as f32 * 0.5 / half / tolerance;
         let near = (mesh.diagonal() * 1e-4) as f32;
         let looks = poses.iter().map(|pose| Look { eye: pose.eye.map(|x| x as f32), reach, near });
-        let kind = Kind::Clusters { dag, looks: looks.collect(), positions: mesh.positions().to_vec() };
+        let kind = Kind::Clusters { dag, looks: looks.collect() };
         Self::new("clusterlod", kind, build_ms)
     }
 
@@ -203,17 +201,16 @@ impl Flyer {
     /// Flies once and counts.
     fn count(&mut self, views: &[ObjectView], poses: &[Pose]) {
         let aspect = f64::from(VIEWPORT[0]) / f64::from(VIEWPORT[1]);
-        let (mut selected, mut indices, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut selected, mut indices) = (Vec::new(), Vec::new());
         for (frame, (view, pose)) in views.iter().zip(poses).enumerate() {
             let planes = pose.planes(f64::from(FIELD_OF_VIEW_DEGREES).to_radians(), aspect);
-            let (positions, drawn) = match &mut self.kind {
-                Kind::Clusters { dag, looks, positions } => {
+            match &mut self.kind {
+                Kind::Clusters { dag, looks } => {
                     dag.select(looks[frame], &mut selected);
                     dag.concatenate(&selected, &mut indices);
                     self.bytes.push(size_of_val(&indices[..]) as f64);
-                    triangles.clear();
-                    triangles.extend(indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]));
-                    (positions, &triangles[..])
+                    self.drawn.push((indices.len() / 3) as f64);
+                    self.in_frustum.push(dag.inside(&selected, &planes) as f64);
                 }
                 Kind::Splits { lod, positions } => {
                     let change = lod.adapt(std::slice::from_ref(view)).cut;
@@ -228,12 +225,12 @@ impl Flyer {
                     if frame % FRONT_EVERY == 0 {
                         self.front.push(front(lod) as f64);
                     }
-                    (positions, lod.triangles(0))
+                    let drawn = lod.triangles(0);
+                    self.drawn.push(drawn.len() as f64);
+                    let inside = drawn.iter().filter(|t| touches(&planes, t.map(|v| positions[v as usize])));
+                    self.in_frustum.push(inside.count() as f64);
                 }
-            };
-            self.drawn.push(drawn.len() as f64);
-            let inside = drawn.iter().filter(|t| touches(&planes, t.map(|v| positions[v as usize])));
-            self.in_frustum.push(inside.count() as f64);
+            }
         }
         self.times = vec![Vec::new(); views.len()];
     }
@@ -245,13 +242,9 @@ impl Flyer {
             let [at, then, end] = match &mut self.kind {
                 Kind::Clusters { dag, looks, .. } => {
                     let at = cpu_times()[0];
-                    for _ in 0..REPEATS {
-                        dag.select(looks[frame], &mut selected);
-                    }
+                    dag.select(looks[frame], &mut selected);
                     let then = cpu_times()[0];
-                    for _ in 0..REPEATS {
-                        dag.concatenate(&selected, &mut copy);
-                    }
+                    dag.concatenate(&selected, &mut copy);
                     [at, then, cpu_times()[0]]
                 }
                 Kind::Splits { lod, .. } => {
@@ -267,9 +260,7 @@ impl Flyer {
                     [at, then, cpu_times()[0]]
                 }
             };
-            let repeats = if matches!(self.kind, Kind::Clusters { .. }) { REPEATS as f64 } else { 1.0 };
-            let micros =
-                [then.saturating_sub(at), end.saturating_sub(then)].map(|t| t.as_secs_f64() * 1e6 / repeats);
+            let micros = [then.saturating_sub(at), end.saturating_sub(then)].map(|t| t.as_secs_f64() * 1e6);
             self.times[frame].push(micros);
         }
     }

@@ -122,7 +122,7 @@ impl Pose {
         Ok(View::perspective(self.matrix(), field_of_view, viewport)?.with_tolerance_px(tolerance))
     }
 
-    /// Inward normals and offsets of the four sides and of the plane through the eye.
+    /// Inward unit normals and offsets of the four sides and of the plane through the eye.
     pub(crate) fn planes(&self, field_of_view: f64, aspect: f64) -> [[f64; 4]; 5] {
         let m = self.matrix().map(|column| column.map(f64::from));
         let row = |i: usize| [m[0][i], m[1][i], m[2][i], m[3][i]];
@@ -130,7 +130,10 @@ impl Pose {
         let (x, y) = (row(0).map(|c| c * high / aspect), row(1).map(|c| c * high));
         let w = row(2).map(|c| -c);
         let sum = |a: [f64; 4], sign: f64| std::array::from_fn(|i| w[i] + sign * a[i]);
-        [sum(x, 1.0), sum(x, -1.0), sum(y, 1.0), sum(y, -1.0), w]
+        [sum(x, 1.0), sum(x, -1.0), sum(y, 1.0), sum(y, -1.0), w].map(|plane: [f64; 4]| {
+            let length = dot([plane[0], plane[1], plane[2]], [plane[0], plane[1], plane[2]]).sqrt();
+            plane.map(|x| x / length)
+        })
     }
 }
 
