@@ -30,9 +30,9 @@ pub(super) const DONE: u8 = 4;
 /// Known to be of the rim or the fringe, so that most sleepers who wake need not look at their neighbours.
 const AT_FRONT: u8 = 8;
 
-/// Number of arms, each a quarter of the next; the longest is the object's size times `4^LONGEST`.
-const ARMS: usize = 10;
-const LONGEST: i32 = 2;
+/// Number of arms, each half of the next; the longest is the object's size times `2^LONGEST`.
+const ARMS: usize = 16;
+const LONGEST: i32 = 3;
 /// A share of every slack that is kept for what the last motion did not do: one in so many.
 const KEPT: f64 = 16.0;
 
@@ -70,7 +70,7 @@ impl Front {
             next: vec![0; count],
             wheels: std::array::from_fn(|_| Wheel::new(tick)),
             arms: std::array::from_fn(|wheel| {
-                if wheel == 0 { 0.0 } else { size.max(tick) * 4_f64.powi(LONGEST + 1 - wheel as i32) }
+                if wheel == 0 { 0.0 } else { size.max(tick) * 2_f64.powi(LONGEST + 1 - wheel as i32) }
             }),
             course: size,
             work: Vec::new(),
@@ -141,8 +141,8 @@ impl Front {
         let ratio = moved.max(f64::MIN_POSITIVE) / turned;
         let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
         let exponent = |x: f64| (x.to_bits() >> 52) as i32;
-        let quarters = (exponent(self.arms[1]) - exponent(arm) + 1) >> 1;
-        let wheel = quarters.clamp(0, ARMS as i32 - 1) as usize + 1;
+        let halvings = exponent(self.arms[1]) - exponent(arm);
+        let wheel = halvings.clamp(0, ARMS as i32 - 1) as usize + 1;
         // The odometer may run by `slack` in moving and at the same time in turning.
         let turned = turned * self.arms[wheel];
         let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
