@@ -135,8 +135,10 @@ fn ball() -> impl Strategy<Value = Ball> {
     )
 }
 
-/// A view with random settings.
-fn settings() -> impl Strategy<Value = (f32, Option<f32>, bool, bool, bool, Option<(V, f64)>)> {
+/// Tolerance, silhouette tolerance, frustum, back faces, parametric error, and the ball of focus.
+type Settings = (f32, Option<f32>, bool, bool, bool, Option<(V, f64)>);
+
+fn settings() -> impl Strategy<Value = Settings> {
     (
         0.1f32..10.0,
         prop::option::of(0.05f32..5.0),
@@ -146,8 +148,6 @@ fn settings() -> impl Strategy<Value = (f32, Option<f32>, bool, bool, bool, Opti
         prop::option::of((vector(3.0), 0.0..2.0)),
     )
 }
-
-type Settings = (f32, Option<f32>, bool, bool, bool, Option<(V, f64)>);
 
 fn set(view: View, (tolerance, silhouette, frustum, backs, parametric, focus): Settings) -> View {
     let kind = if parametric { ErrorKind::Parametric } else { ErrorKind::Geometric };
