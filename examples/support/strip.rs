@@ -8,7 +8,7 @@
 //!     '----------------'  '-----/----------'
 //! ```
 
-#[path = "lettering.rs"]
+#[path = "../../src/bin/multires/lettering.rs"]
 mod lettering;
 
 use std::error::Error;

@@ -8,9 +8,12 @@
 //!        .   .   .   .    the fringe: not asked for, but all that it needs is     -> may come
 //! ```
 //!
-//! An answer comes with a slack: how far the eye may move and turn before it can change. Until the odometer has run that
-//! far nobody asks again. Since tests are monotone in nested bounds, looking at rim and fringe finds all there is; and since
-//! an answer depends on the view alone, so does the set, whatever it was before.
+//! An answer comes with a slack: how far the eye may move and turn before it can change. Nobody asks again until then. There
+//! is one odometer for each of some *arms*: it runs by what the eye moved or by what the end of the arm swept, whichever is
+//! more. A sleeper goes by the one on which, if all goes on as it last went, it sleeps longest.
+//!
+//! Since tests are monotone in nested bounds, looking at rim and fringe finds all there is; and since an answer depends on
+//! the view alone, so does the set, whatever it was before.
 
 use crate::view::{Answer, Criterion, Motion};
 
@@ -24,19 +27,34 @@ const ASLEEP: u8 = 2;
 /// In the mesh: asked for, or needed by what is.
 pub(super) const DONE: u8 = 4;
 
+/// Known to be of the rim or the fringe, so that most sleepers who wake need not look at their neighbours.
+const AT_FRONT: u8 = 8;
+
+/// Number of arms, each half of the next; the longest is the object's size times `2^LONGEST`.
+const ARMS: usize = 16;
+const LONGEST: i32 = 3;
+/// A share of every slack that is kept for what the last motion did not do: one in so many.
+const KEPT: f64 = 16.0;
+
 /// Shrinks slacks by more than what sums of floats lose.
 const CAUTION: f64 = 1.0 - 1e-9;
+
+/// A slack as it is waited for: none where it is not a number, as where both of its parts are 0.
+fn caution(slack: f64) -> f64 {
+    if slack > 0.0 { slack * CAUTION } else { 0.0 }
+}
 
 #[derive(Debug, Clone)]
 pub(super) struct Front {
     /// Flags of every refinement.
     pub state: Vec<u8>,
     next: Vec<u32>,
-    /// Those that only moving wakes, and those that turning wakes too.
-    moved: Wheel,
-    moved_or_turned: Wheel,
-    /// Length that a turn of one radian counts for.
-    arm: f64,
+    /// Those that only moving wakes; then those that turning wakes too, by arm.
+    wheels: [Wheel; 1 + ARMS],
+    /// Length of the arm of every wheel.
+    arms: [f64; 1 + ARMS],
+    /// What the last motion moved for each radian that it turned.
+    course: f64,
     pub work: Vec<u32>,
     /// Answers asked for so far.
     pub tests: u64,
@@ -45,13 +63,16 @@ pub(super) struct Front {
 impl Front {
     /// Nothing asked for, nothing known. `size` is the object's, object units.
     pub fn new(count: usize, size: f64) -> Self {
-        let tick = if size > 0.0 { size * 1e-6 } else { 1.0 };
+        // Not so short that there is no number for a tick.
+        let tick = if size > 1e-290 { size * 1e-6 } else { 1.0 };
         Self {
             state: vec![0; count],
             next: vec![0; count],
-            moved: Wheel::new(tick),
-            moved_or_turned: Wheel::new(tick),
-            arm: size,
+            wheels: std::array::from_fn(|_| Wheel::new(tick)),
+            arms: std::array::from_fn(|wheel| {
+                if wheel == 0 { 0.0 } else { size.max(tick) * 2_f64.powi(LONGEST + 1 - wheel as i32) }
+            }),
+            course: size,
             work: Vec::new(),
             tests: 0,
         }
@@ -72,11 +93,12 @@ impl Front {
             if state & ASLEEP != 0 {
                 continue;
             }
-            if !self.is_due(of, r) {
+            if state & AT_FRONT == 0 && !self.is_due(of, r) {
                 continue;
             }
             let asked = state & ASKED != 0;
             self.tests += 1;
+            self.state[r as usize] |= AT_FRONT;
             let answer = criterion.needs(of.bounds(r));
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
@@ -86,19 +108,18 @@ impl Front {
                 }
             }
             self.sleep(r, answer);
-            // Those for whom the rim has moved.
-            if answer.refine && !asked {
-                for child in of.children(r) {
-                    if self.state[child as usize] & ASLEEP == 0 {
-                        self.work.push(child);
-                    }
-                }
-            } else if asked && !answer.refine {
-                for parent in of.parents(r) {
-                    if self.state[parent as usize] & ASLEEP == 0 {
-                        self.work.push(parent);
-                    }
-                }
+            if answer.refine == asked {
+                continue;
+            }
+            // Those for whom the rim has moved: on one side they leave the front, on the other they may have come to it.
+            let Self { state, work, .. } = self;
+            let mut leave = |other: u32| state[other as usize] &= !AT_FRONT;
+            if asked {
+                of.children(r).for_each(&mut leave);
+                work.extend(of.parents(r).filter(|&parent| state[parent as usize] & ASLEEP == 0));
+            } else {
+                of.parents(r).for_each(&mut leave);
+                work.extend(of.children(r).filter(|&child| state[child as usize] & ASLEEP == 0));
             }
         }
         true
@@ -114,11 +135,10 @@ impl Front {
         }
     }
 
-    /// Forgets all answers, not what they led to.
+    /// Forgets all answers and who is at the front, not what they led to.
     pub fn forget(&mut self) {
-        self.moved.clear();
-        self.moved_or_turned.clear();
-        self.state.iter_mut().for_each(|s| *s &= !ASLEEP);
+        self.wheels.iter_mut().for_each(Wheel::clear);
+        self.state.iter_mut().for_each(|s| *s &= !(ASLEEP | AT_FRONT));
         self.work.clear();
     }
 
@@ -129,46 +149,63 @@ impl Front {
         &self.work
     }
 
+    #[inline]
     fn sleep(&mut self, r: u32, answer: Answer) {
         self.state[r as usize] |= ASLEEP;
-        if answer.turned == f64::INFINITY {
-            if answer.moved < f64::INFINITY {
-                self.moved.put(r, answer.moved * CAUTION, &mut self.next);
+        let Answer { moved, turned, .. } = answer;
+        if turned == f64::INFINITY {
+            if moved != f64::INFINITY {
+                self.wheels[0].put(r, caution(moved), &mut self.next);
             }
-        } else {
-            let slack = answer.moved.min(answer.turned * self.arm);
-            self.moved_or_turned.put(r, slack * CAUTION, &mut self.next);
+            return;
         }
+        // The arm nearest to the course. Exponents are near enough to logarithms.
+        let ratio = moved.max(f64::MIN_POSITIVE) / turned;
+        let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
+        let exponent = |x: f64| (x.to_bits() >> 52) as i32;
+        let halvings = exponent(self.arms[1]) - exponent(arm);
+        let wheel = halvings.clamp(0, ARMS as i32 - 1) as usize + 1;
+        // The odometer may run by `slack` in moving and at the same time in turning.
+        let turned = turned * self.arms[wheel];
+        let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
+        self.wheels[wheel].put(r, caution(slack), &mut self.next);
     }
 
     fn wake<R: Refinements + ?Sized>(&mut self, of: &R, motion: Motion) {
-        let Self { state, next, work, .. } = self;
-        match motion {
+        let runs: [f64; 1 + ARMS] = match motion {
             Motion::Moved { distance, angle } if distance.is_finite() && angle.is_finite() => {
-                let mut wake = |r: u32| {
-                    state[r as usize] &= !ASLEEP;
-                    work.push(r);
-                };
-                self.moved.advance(distance, next, &mut wake);
-                self.moved_or_turned.advance(distance + angle * self.arm, next, &mut wake);
+                self.course = distance / angle.max(f64::MIN_POSITIVE);
+                self.arms.map(|arm| distance.max(angle * arm))
             }
-            _ => {
-                self.moved.clear();
-                self.moved_or_turned.clear();
-                state.iter_mut().for_each(|s| *s &= !ASLEEP);
-                work.extend(of.roots());
-                for r in 0..state.len() as u32 {
-                    if state[r as usize] & ASKED != 0 {
-                        work.push(r);
-                        work.extend(of.children(r).filter(|&child| state[child as usize] & ASKED == 0));
-                    }
-                }
+            _ => [f64::NAN; 1 + ARMS],
+        };
+        let Self { state, next, work, wheels, .. } = self;
+        if wheels.iter().zip(runs).all(|(wheel, run)| wheel.can_run(run)) {
+            let mut wake = |r: u32| {
+                state[r as usize] &= !ASLEEP;
+                work.push(r);
+            };
+            for (wheel, run) in wheels.iter_mut().zip(runs) {
+                wheel.advance(run, next, &mut wake);
+            }
+            return;
+        }
+        // No answer holds.
+        wheels.iter_mut().for_each(Wheel::clear);
+        state.iter_mut().for_each(|s| *s &= !ASLEEP);
+        work.extend(of.roots());
+        for r in 0..state.len() as u32 {
+            if state[r as usize] & ASKED != 0 {
+                work.push(r);
+                work.extend(of.children(r).filter(|&child| state[child as usize] & ASKED == 0));
             }
         }
     }
+}
 
+impl Front {
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
-        self.state.len() + size_of_val(&self.next[..]) + self.moved.memory() + self.moved_or_turned.memory()
+        self.state.len() + size_of_val(&self.next[..]) + self.wheels.iter().map(Wheel::memory).sum::<usize>()
     }
 }

@@ -2,45 +2,55 @@
 //!
 //! ```text
 //!     level 0   | . | . | o | . |  ...  64 slots of 1 tick
-//!     level 1   | . | o | . | . |  ...  64 slots of 8 ticks        whoever sleeps longer lies in a coarser slot and
-//!     level 2   | o | . | o | . |  ...  64 slots of 64 ticks       wakes at most an eighth too early
+//!     level 1   | . | o | . | . |  ...  64 slots of 4 ticks        whoever sleeps longer lies in a coarser slot and
+//!     level 2   | o | . | o | . |  ...  64 slots of 16 ticks       wakes at most a sixteenth too early
 //! ```
 //!
 //! Lists are linked through one array that the caller shares among wheels, so nothing allocates and each sleeper takes 4
-//! bytes. Putting one in is O(1); advancing is O(slots passed + woken).
+//! bytes. Putting one in is O(1); advancing is O(levels + slots drained + woken).
 
 use crate::mesh::NONE;
 
-const SLOTS: usize = 64;
-const LEVELS: usize = 14;
+const SLOTS: u64 = 64;
+const LEVELS: usize = 20;
+/// Each level's slots are four times as wide as those of the one before: a shift by two.
+const WIDER: u32 = 2;
+/// Ticks that nobody sleeps beyond, and that no odometer runs beyond.
+const FOREVER: u64 = 1 << 61;
 
 #[derive(Debug, Clone)]
 pub(super) struct Wheel {
-    /// First sleeper of every slot.
+    /// First sleeper of every slot; empty until there is one.
     heads: Vec<u32>,
+    /// Per level a bit for each slot with sleepers.
+    taken: [u64; LEVELS],
     /// Those that cannot sleep for a whole tick.
     soon: u32,
-    /// Ticks run so far.
-    now: f64,
-    /// Object units a tick.
-    tick: f64,
-}
-
-fn span(level: usize) -> f64 {
-    (1_u64 << (3 * level)) as f64
+    /// Ticks run so far, and the part of one since.
+    now: u64,
+    part: f64,
+    /// Ticks an object unit.
+    ticks: f64,
 }
 
 impl Wheel {
     /// An empty wheel with ticks of this length.
     pub fn new(tick: f64) -> Self {
-        Self { heads: vec![NONE; SLOTS * LEVELS], soon: NONE, now: 0.0, tick }
+        Self { heads: Vec::new(), taken: [0; LEVELS], soon: NONE, now: 0, part: 0.0, ticks: 1.0 / tick }
     }
 
     /// Forgets all sleepers.
     pub fn clear(&mut self) {
         self.heads.fill(NONE);
+        self.taken = [0; LEVELS];
         self.soon = NONE;
-        self.now = 0.0;
+        self.now = 0;
+        self.part = 0.0;
+    }
+
+    /// Whether the odometer can still run that far. If not, the wheel must be cleared.
+    pub fn can_run(&self, distance: f64) -> bool {
+        self.now < FOREVER && distance * self.ticks < FOREVER as f64
     }
 
     /// Bytes of its slots.
@@ -49,21 +59,26 @@ impl Wheel {
     }
 
     /// Puts in a sleeper that must wake before the odometer has run `slack` further.
+    #[inline]
     pub fn put(&mut self, sleeper: u32, slack: f64, next: &mut [u32]) {
-        let until = self.now + slack / self.tick;
-        let mut list = &mut self.soon;
-        for level in 0..LEVELS {
-            let (first, last) = ((self.now / span(level)).floor(), (until / span(level)).floor());
-            let ahead = last - first;
-            if ahead < 1.0 {
-                break;
+        // A cast rounds down.
+        let ahead = (self.part + slack * self.ticks).min(FOREVER as f64) as u64;
+        let (now, until) = (self.now, self.now + ahead);
+        let list = if ahead == 0 {
+            &mut self.soon
+        } else {
+            // The finest level whose slots reach that far.
+            let level = (ahead.ilog2() + 1).saturating_sub(SLOTS.ilog2()).div_ceil(WIDER) as usize;
+            let level = level.min(LEVELS - 1);
+            let shift = WIDER * level as u32;
+            // Half a slot may be gone: one slot more, which the wheel does not have.
+            let slot = (until >> shift).min((now >> shift) + SLOTS - 1) % SLOTS;
+            if self.heads.is_empty() {
+                self.heads = vec![NONE; SLOTS as usize * LEVELS];
             }
-            if ahead < SLOTS as f64 || level == LEVELS - 1 {
-                let slot = (first + ahead.min(SLOTS as f64 - 1.0)) % SLOTS as f64;
-                list = &mut self.heads[level * SLOTS + slot as usize];
-                break;
-            }
-        }
+            self.taken[level] |= 1 << slot;
+            &mut self.heads[level * SLOTS as usize + slot as usize]
+        };
         next[sleeper as usize] = *list;
         *list = sleeper;
     }
@@ -82,19 +97,25 @@ impl Wheel {
             }
         };
         drain(&mut self.soon);
-        let until = self.now + distance / self.tick;
+        let run = self.part + distance * self.ticks;
+        let (now, until) = (self.now, self.now + run.min(FOREVER as f64) as u64);
+        self.part = run.fract();
+        self.now = until;
         for level in 0..LEVELS {
-            let (first, last) = ((self.now / span(level)).floor(), (until / span(level)).floor());
-            let passed = (last - first).min(SLOTS as f64);
-            if passed < 1.0 {
+            let (first, last) = (now >> (WIDER * level as u32), until >> (WIDER * level as u32));
+            let passed = (last - first).min(SLOTS);
+            if passed == 0 {
                 break;
             }
-            for step in 1..=passed as usize {
-                let slot = (first + step as f64) % SLOTS as f64;
-                drain(&mut self.heads[level * SLOTS + slot as usize]);
+            // Slots `first + 1` to `first + passed`, around the wheel.
+            let mask = (u64::MAX >> (SLOTS - passed)).rotate_left(((first + 1) % SLOTS) as u32);
+            let mut due = self.taken[level] & mask;
+            self.taken[level] &= !mask;
+            while due != 0 {
+                drain(&mut self.heads[level * SLOTS as usize + due.trailing_zeros() as usize]);
+                due &= due - 1;
             }
         }
-        self.now = until;
     }
 }
 
@@ -102,7 +123,7 @@ impl Wheel {
 mod tests {
     use super::*;
 
-    /// Nobody sleeps too long, and nobody wakes at less than three quarters of a long sleep.
+    /// Nobody sleeps too long, and nobody wakes at less than seven eighths of a long sleep.
     #[test]
     fn sleepers_wake_in_time() {
         let mut state = 3u64;
@@ -127,7 +148,7 @@ mod tests {
             for &sleeper in &woken {
                 let (put, slack) = due[sleeper as usize];
                 if slack > 1.0 && odometer - put < slack {
-                    assert!(odometer - put > 0.75 * slack - 0.1, "{} of {slack}", odometer - put);
+                    assert!(odometer - put > 0.875 * slack - 0.1, "{} of {slack}", odometer - put);
                 }
                 let slack = 10f64.powf(random() * 6.0 - 3.0);
                 due[sleeper as usize] = (odometer, slack);

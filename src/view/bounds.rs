@@ -1,6 +1,7 @@
 //! What a refinement can change: where it lies, which way it faces, how far it moves the surface.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
 
 use glam::DVec3;
 
@@ -9,6 +10,10 @@ const ANGLE_STEPS: f64 = 255.0;
 const AXIS_STEPS: f64 = 127.0;
 /// Radius of all of space.
 const EVERYWHERE: f64 = 1e40;
+
+/// Sine and cosine of every half-angle.
+static ANGLES: LazyLock<[[f64; 2]; 256]> =
+    LazyLock::new(|| std::array::from_fn(|step| (step as f64 * (FRAC_PI_2 / ANGLE_STEPS)).sin_cos().into()));
 
 /// Bounds of one refinement and of all that need it: 28 bytes.
 ///
@@ -63,6 +68,17 @@ impl Bounds {
     #[inline]
     pub(super) fn reach(&self) -> f64 {
         if self.radius < f32::MAX { f64::from(self.radius) } else { EVERYWHERE }
+    }
+
+    /// The cone as tests take it: its axis at any length, and sine and cosine of its half-angle.
+    #[inline]
+    pub(super) fn facing(&self) -> Option<(DVec3, [f64; 2])> {
+        let [x, y, z, angle] = self.cone;
+        let angle = angle as u8;
+        if angle == u8::MAX || (x | y | z) == 0 {
+            return None;
+        }
+        Some((DVec3::new(f64::from(x), f64::from(y), f64::from(z)), ANGLES[usize::from(angle)]))
     }
 
     /// Whether these bounds hold `other`'s: sphere in sphere, cone in cone, no error larger.

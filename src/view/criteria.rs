@@ -2,15 +2,15 @@
 
 use super::bounds::Bounds;
 
-/// An answer with its slack: it stays the same while the eye has moved by no more than `moved` *and* turned by no more than
-/// `turned` since.
+/// An answer with its slack: it stays the same while the eye has moved by no more than a share of `moved` and turned by no more
+/// than the rest of `turned` since; or wholly one and not at all the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
     /// Whether the refinement is needed.
     pub refine: bool,
-    /// Object units.
+    /// How far the eye may move where it does not turn, object units.
     pub moved: f64,
-    /// Radians.
+    /// How far it may turn where it does not move, radians.
     pub turned: f64,
 }
 
@@ -110,7 +110,11 @@ pub trait Criterion {
 
 /// Several views at once (split screen, shadow cascades): needed where any needs it.
 impl<C: Criterion> Criterion for [C] {
+    #[inline]
     fn needs(&self, bounds: &Bounds) -> Answer {
+        if let [one] = self {
+            return one.needs(bounds);
+        }
         let mut answer = Answer::NEVER;
         for view in self {
             answer = answer.or(view.needs(bounds));

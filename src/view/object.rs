@@ -86,14 +86,55 @@ impl View {
 
 /// Where a sphere is, as all tests see it.
 struct Place {
-    /// From the eye to its centre, unit length; ahead where the eye is at the centre.
-    towards: DVec3,
+    /// From the eye to its centre; by an orthographic view the direction of view.
+    to: DVec3,
+    /// Length of `to`, and its square; the latter is 1 by an orthographic view.
     distance: f64,
+    square: f64,
     /// To the nearest point of the sphere; negative inside it.
     gap: f64,
-    /// Sine and cosine of half the angle under which the sphere is seen.
-    half: [f64; 2],
 }
+
+/// Normals against lines of sight, as sines and cosines of angles.
+struct Facing {
+    /// Half the cone's angle plus half the angle under which the sphere is seen.
+    wide: [f64; 2],
+    /// By how much the axis points away from the eye beyond a right angle to the line of sight.
+    away: [f64; 2],
+    gap: f64,
+}
+
+impl Facing {
+    /// Whether any normal may be at a right angle to a line of sight or beyond, towards the eye.
+    #[inline]
+    fn front(&self) -> Answer {
+        self.compare(self.away[0])
+    }
+
+    /// The same away from the eye.
+    #[inline]
+    fn back(&self) -> Answer {
+        self.compare(-self.away[0])
+    }
+
+    #[inline]
+    fn compare(&self, away: f64) -> Answer {
+        if self.gap <= 0.0 {
+            return Answer { refine: true, moved: -self.gap, turned: f64::INFINITY };
+        }
+        let ([wide_sine, wide_cosine], away_cosine) = (self.wide, self.away[1]);
+        // Sine and cosine of `wide - away`.
+        let sine = wide_sine * away_cosine - wide_cosine * away;
+        let cosine = wide_cosine * away_cosine + wide_sine * away;
+        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
+        let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
+        let moved = if self.gap < f64::INFINITY { self.gap * allowed } else { f64::INFINITY };
+        Answer { refine: sine >= 0.0 || wide_cosine <= 0.0, moved, turned: f64::INFINITY }
+    }
+}
+
+/// A no on account of the error that holds for this share of the distance is not worth asking whether another holds longer.
+const LONG: f64 = 0.125;
 
 impl ObjectView {
     /// The same with tolerances multiplied by a factor: how a budget coarsens what a view asks for.
@@ -110,92 +151,57 @@ impl ObjectView {
         }
     }
 
+    #[inline]
     fn place(&self, bounds: &Bounds) -> Place {
-        let centre = DVec3::from_array(bounds.centre.map(f64::from));
-        let radius = bounds.reach();
         match self.eye {
-            Eye::At { eye, forward, .. } => {
-                let to = centre - eye;
-                let distance = to.length();
-                let gap = distance - radius;
-                let sine = if gap > 0.0 { radius / distance } else { 1.0 };
-                Place {
-                    towards: if distance > 0.0 { to / distance } else { forward },
-                    distance,
-                    gap,
-                    half: [sine, ((1.0 - sine) * (1.0 + sine)).sqrt()],
-                }
+            Eye::At { eye, .. } => {
+                let to = DVec3::from_array(bounds.centre.map(f64::from)) - eye;
+                let square = to.length_squared();
+                let distance = square.sqrt();
+                Place { to, distance, square, gap: distance - bounds.reach() }
             }
             Eye::Along { forward, .. } => {
-                Place { towards: forward, distance: f64::INFINITY, gap: f64::INFINITY, half: [0.0, 1.0] }
+                Place { to: forward, distance: f64::INFINITY, square: 1.0, gap: f64::INFINITY }
             }
         }
     }
 
     /// Whether the sphere reaches into the frustum.
+    #[inline]
     fn in_frustum(&self, bounds: &Bounds, place: &Place) -> Answer {
         if !self.frustum {
             return Answer::ALWAYS;
         }
         let centre = DVec3::from_array(bounds.centre.map(f64::from)).extend(1.0);
-        let inside = self.planes[..self.plane_count].iter().map(|plane| plane.dot(centre));
-        let inside = inside.fold(f64::INFINITY, f64::min) + bounds.reach();
-        // The distance from a plane changes by no more than the eye moves, and the planes turn about the eye. Half of
-        // the slack for each. An orthographic view that turns is another view.
-        let half = 0.5 * inside.abs();
-        match self.eye {
-            Eye::At { .. } => {
-                Answer { refine: inside >= 0.0, moved: half, turned: half / (place.distance + half) }
-            }
-            Eye::Along { .. } => Answer { refine: inside >= 0.0, moved: 2.0 * half, turned: f64::INFINITY },
+        let mut inside = f64::INFINITY;
+        for plane in &self.planes[..self.plane_count] {
+            let distance = plane.dot(centre);
+            inside = if distance < inside { distance } else { inside };
         }
+        inside += bounds.reach();
+        // The distance from a plane changes by no more than the eye moves; and the planes turn about the eye, which is
+        // no farther than it may have moved away. An orthographic view that turns is another view.
+        let slack = inside.abs();
+        let turned = match self.eye {
+            Eye::At { .. } => slack / (place.distance + slack),
+            Eye::Along { .. } => f64::INFINITY,
+        };
+        Answer { refine: inside >= 0.0, moved: slack, turned }
     }
 
-    /// Where the cone of normals stands to the directions in which the sphere is seen: `facing` is how far (as the sine of
-    /// an angle) from turning wholly away, `silhouette` how far from having no normal at a right angle to the eye.
-    fn facing(&self, bounds: &Bounds, place: &Place) -> (Answer, Answer) {
-        let Some((axis, angle)) = bounds.unpacked() else { return (Answer::ALWAYS, Answer::ALWAYS) };
+    /// Where a cone of normals stands to the directions in which its sphere is seen; `None` where it holds all directions.
+    #[inline]
+    fn facing(&self, bounds: &Bounds, place: &Place) -> Option<Facing> {
+        let (axis, [sine, cosine]) = bounds.facing()?;
         if place.gap <= 0.0 {
-            let inside = Answer { refine: true, moved: -place.gap, turned: f64::INFINITY };
-            return (inside, inside);
+            return Some(Facing { wide: [1.0, -1.0], away: [0.0, 1.0], gap: place.gap });
         }
-        let (sine, cosine) = angle.sin_cos();
-        // Angle of the cone plus half the angle of the sphere: from here on `wide`.
-        let [half_sine, half_cosine] = place.half;
-        let (wide_sine, wide_cosine) =
-            (sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine);
-        // Angle by which the axis points away from the eye beyond a right angle to the line of sight.
-        let away = axis.dot(place.towards).clamp(-1.0, 1.0);
-        let away_cosine = ((1.0 - away) * (1.0 + away)).sqrt();
-        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
-        let within = |sine: f64, cosine: f64| {
-            let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
-            if place.gap.is_finite() { place.gap * allowed } else { f64::INFINITY }
-        };
-        let compare = |away: f64| {
-            // Sine and cosine of `wide - away`.
-            let (sine, cosine) =
-                (wide_sine * away_cosine - wide_cosine * away, wide_cosine * away_cosine + wide_sine * away);
-            Answer {
-                refine: sine >= 0.0 || wide_cosine <= 0.0,
-                moved: within(sine, cosine),
-                turned: f64::INFINITY,
-            }
-        };
-        let front = compare(away);
-        let back = compare(-away);
-        let silhouette = Answer {
-            refine: front.refine && back.refine,
-            moved: if front.refine == back.refine {
-                front.moved.min(back.moved)
-            } else if front.refine {
-                back.moved
-            } else {
-                front.moved
-            },
-            turned: f64::INFINITY,
-        };
-        (front, silhouette)
+        let half_sine = bounds.reach() / place.distance;
+        let half_cosine = ((1.0 - half_sine) * (1.0 + half_sine)).sqrt();
+        let wide = [sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine];
+        let away = axis.dot(place.to) / (axis.length_squared() * place.square).sqrt();
+        let away = away.clamp(-1.0, 1.0);
+        Some(Facing { wide, away: [away, ((1.0 - away) * (1.0 + away)).sqrt()], gap: place.gap })
     }
 
     /// Whether an error is too large at the nearest point of the sphere.
@@ -222,6 +228,7 @@ impl ObjectView {
 }
 
 impl ObjectView {
+    #[inline]
     fn error_of(&self, bounds: &Bounds) -> f64 {
         f64::from(match self.error {
             ErrorKind::Geometric => bounds.error,
@@ -234,26 +241,30 @@ impl ObjectView {
     fn answer(&self, bounds: &Bounds, factor: f64) -> Answer {
         let place = self.place(bounds);
         let error = self.error_of(bounds);
-        let mut large = self.too_large(error, self.reach / factor, &place);
-        let facing =
-            (self.back_faces || self.silhouette_reach > self.reach).then(|| self.facing(bounds, &place));
-        if let Some((_, silhouette)) = facing {
-            if !large.refine && self.silhouette_reach > self.reach {
-                let reach = self.silhouette_reach / factor;
-                large = large.or(self.too_large(error, reach, &place).and(silhouette));
+        let mut answer = self.too_large(error, self.reach / factor, &place);
+        let mut facing = None;
+        if !answer.refine && self.silhouette_reach > self.reach {
+            facing = self.facing(bounds, &place);
+            let both = facing.as_ref().map_or(Answer::ALWAYS, |facing| facing.front().and(facing.back()));
+            answer = answer.or(self.too_large(error, self.silhouette_reach / factor, &place).and(both));
+        }
+        if self.focus.is_some() && (factor <= 1.0 || error * self.silhouette_reach > NEAREST * factor) {
+            answer = answer.or(self.in_focus(bounds));
+        }
+        if !answer.refine && answer.moved > LONG * place.gap {
+            return answer;
+        }
+        if self.back_faces {
+            let facing = facing.or_else(|| self.facing(bounds, &place));
+            if let Some(facing) = facing {
+                answer = answer.and(facing.front());
             }
         }
-        if factor <= 1.0 || error * self.silhouette_reach > NEAREST * factor {
-            large = large.or(self.in_focus(bounds));
-        }
-        if let (Some((front, _)), true) = (facing, self.back_faces) {
-            large = large.and(front);
-        }
         // Turning wakes only what the frustum decides.
-        if !large.refine && large.moved > 0.0 {
-            return large;
+        if !answer.refine && answer.moved > 0.0 {
+            return answer;
         }
-        large.and(self.in_frustum(bounds, &place))
+        answer.and(self.in_frustum(bounds, &place))
     }
 }
 
@@ -268,11 +279,13 @@ impl Criterion for ObjectView {
 
     fn urgency(&self, bounds: &Bounds) -> f64 {
         let place = self.place(bounds);
-        let (front, silhouette) = self.facing(bounds, &place);
-        if self.back_faces && !front.refine || !self.in_frustum(bounds, &place).refine {
+        let facing = self.facing(bounds, &place);
+        let front = facing.as_ref().is_none_or(|facing| facing.front().refine);
+        if self.back_faces && !front || !self.in_frustum(bounds, &place).refine {
             return 0.0;
         }
-        let reach = if silhouette.refine { self.silhouette_reach } else { self.reach };
+        let silhouette = front && facing.as_ref().is_none_or(|facing| facing.back().refine);
+        let reach = if silhouette { self.silhouette_reach } else { self.reach };
         let error = self.error_of(bounds).max(0.0);
         let urgency = match self.eye {
             Eye::At { .. } => error * reach / place.gap.max(NEAREST),
@@ -287,7 +300,8 @@ impl Criterion for ObjectView {
 
     fn sees(&self, bounds: &Bounds) -> bool {
         let place = self.place(bounds);
-        self.in_frustum(bounds, &place).refine && (!self.back_faces || self.facing(bounds, &place).0.refine)
+        let front = || self.facing(bounds, &place).is_none_or(|facing| facing.front().refine);
+        self.in_frustum(bounds, &place).refine && (!self.back_faces || front())
     }
 
     fn motion(&self, before: &Self) -> Motion {

@@ -77,7 +77,7 @@ fn patch(grid: u32, place: impl Fn(f64, f64) -> [f32; 3]) -> Soup {
 }
 
 /// One vertex a position, no unused vertices, no triangles with equal corners.
-fn welded(mesh: Mesh) -> Result<Mesh, Box<dyn Error>> {
+pub(crate) fn welded(mesh: Mesh) -> Result<Mesh, Box<dyn Error>> {
     let topology = Topology::new(&mesh);
     let point = |v: u32| topology.point_of()[v as usize];
     let triangles = mesh.triangles().iter().map(|t| t.map(point));

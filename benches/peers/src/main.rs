@@ -1,8 +1,10 @@
-//! Measures simplifiers beside each other, on the same meshes, in the same run.
+//! Measures simplifiers, and what follows a view, beside each other, on the same meshes, in the same run.
 //!
 //! ```text
 //! multires-peers simplify MODEL... [--generated] [--grid N] [--percent 50,25,10,5,2,1]
 //!                         [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]
+//! multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
+//!                    [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]
 //! ```
 //!
 //! | file | idea |
@@ -11,14 +13,26 @@
 //! | `contender.rs` | who takes part: **add a simplifier here** |
 //! | `simplify.rs` | interleaved runs, medians, table and JSON |
 //! | `clock.rs` | CPU time of this thread and of the process |
-//! | `input.rs` | meshes from files and from formulas, welded |
+//! | `fly.rs` | frames along a path: cluster selection beside vertex hierarchies |
+//! | `fly_options.rs`, `fly_report.rs` | its arguments, its tables |
+//! | `clod.rs` | meshoptimizer's cluster hierarchy and its selection |
+//! | `path.rs` | where the eye goes |
+//! | `statistics.rs` | medians and percentiles |
+//! | `input.rs`, `subdivide.rs` | meshes from files and from formulas, welded; larger ones from small ones |
 //!
 //! Exit status: 0, 1 for bad input, 2 for wrong usage.
 
 mod clock;
+mod clod;
 mod contender;
+mod fly;
+mod fly_options;
+mod fly_report;
 mod input;
+mod path;
 mod simplify;
+mod statistics;
+mod subdivide;
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -26,7 +40,9 @@ use std::process::ExitCode;
 
 const USAGE: &str =
     "usage: multires-peers simplify MODEL... [--generated] [--grid N] [--percent 50,25,10,5,2,1]
-                               [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]";
+                               [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]
+       multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
+                          [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]";
 
 /// What to measure, and how often.
 struct Options {
@@ -57,10 +73,17 @@ impl Default for Options {
     }
 }
 
+/// What was asked for.
+enum Command {
+    Simplify(Options),
+    Fly(fly_options::Options),
+}
+
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
-    let options = match arguments.next().as_deref() {
-        Some("simplify") => parse(arguments),
+    let command = match arguments.next().as_deref() {
+        Some("simplify") => parse(arguments).map(Command::Simplify),
+        Some("fly") => fly_options::Options::parse(arguments).map(Command::Fly),
         Some("--help" | "-h") => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
@@ -68,14 +91,15 @@ fn main() -> ExitCode {
         Some(other) => Err(format!("there is no command {other:?}")),
         None => Err("a command is needed".to_owned()),
     };
-    let options = match options {
-        Ok(options) => options,
+    let result = match command {
+        Ok(Command::Simplify(options)) => run(&options),
+        Ok(Command::Fly(options)) => fly::run(&options),
         Err(reason) => {
             eprintln!("multires-peers: {reason}\n{USAGE}");
             return ExitCode::from(2);
         }
     };
-    match run(&options) {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("multires-peers: {reason}");
@@ -124,7 +148,7 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String>
     Ok(options)
 }
 
-fn number<T: std::str::FromStr + PartialOrd + std::fmt::Display>(
+pub(crate) fn number<T: std::str::FromStr + PartialOrd + std::fmt::Display>(
     option: &str,
     text: &str,
     range: std::ops::RangeInclusive<T>,

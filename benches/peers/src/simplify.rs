@@ -17,6 +17,7 @@ use crate::Options;
 use crate::clock::timed;
 use crate::contender::{CONTENDERS, Contender};
 use crate::input::Input;
+use crate::statistics::{median, sorted};
 
 /// One line of the table.
 struct Row {
@@ -65,7 +66,7 @@ pub(crate) fn run(inputs: &[Input], options: &Options) -> Result<(), Box<dyn Err
     Ok(())
 }
 
-const CLOCK: &str = if cfg!(unix) { "thread CPU time" } else { "wall time" };
+pub(crate) const CLOCK: &str = if cfg!(unix) { "thread CPU time" } else { "wall time" };
 
 /// One mesh to one count.
 fn measure(
@@ -120,22 +121,6 @@ fn measure(
         .collect())
 }
 
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
-}
-
-/// The middle of sorted values: the mean of both middle ones where their number is even.
-fn median(sorted: &[f64]) -> f64 {
-    let half = sorted.len() / 2;
-    match sorted {
-        [] => f64::NAN,
-        _ if sorted.len() % 2 == 1 => sorted[half],
-        _ => (sorted[half - 1] + sorted[half]) / 2.0,
-    }
-}
-
 fn save(directory: &Path, name: &str, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
     let path = directory.join(format!("{name}.ply"));
     Ok(multires::io::write(&path, mesh).map_err(|e| format!("{}: {e}", path.display()))?)
@@ -181,17 +166,5 @@ impl Row {
             "least_ms": self.least_ms,
             "process_ms": self.process_ms,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_is_the_middle() {
-        assert_eq!(median(&sorted([3.0, 1.0, 2.0].into_iter())), 2.0);
-        assert_eq!(median(&sorted([4.0, 1.0, 3.0, 2.0].into_iter())), 2.5);
-        assert!(median(&[]).is_nan());
     }
 }
