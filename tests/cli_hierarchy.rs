@@ -190,6 +190,27 @@ fn path(folder: &Folder, frames: usize) -> PathBuf {
 }
 
 #[test]
+fn a_flight_keeps_to_its_limits() {
+    let folder = Folder::new("hierarchy-fly-limits");
+    let frames = folder.file("frames.csv");
+    let (file, built) = baked(&folder, &shapes::demo(), "");
+    let camera = path(&folder, 20);
+    let budget = number(&built["base_triangles"]) + 4_000;
+    let options = format!("--path {} --csv {}", camera.display(), frames.display());
+    let columns = |more: &str| {
+        json("fly", &[&file], &format!("{options} {more}")).answer();
+        let text = std::fs::read_to_string(&frames).unwrap();
+        let row = |line: &str| line.split(',').map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
+        text.lines().skip(1).map(row).collect::<Vec<_>>()
+    };
+    assert!(columns("").iter().any(|row| row[1] > budget as f64));
+    let rows = columns(&format!("--budget {budget}"));
+    assert!(rows.iter().all(|row| row[1] <= budget as f64 && row[1] > 0.9 * budget as f64));
+    let rows = columns("--operations 50");
+    assert!(rows.iter().all(|row| row[4] + row[5] <= 50.0) && rows[3][4] > 0.0);
+}
+
+#[test]
 fn a_flight_is_a_row_a_frame() {
     let folder = Folder::new("hierarchy-fly");
     let [frames, out] = ["frames.csv", "out.ply"].map(|n| folder.file(n));

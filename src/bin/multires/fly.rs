@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use multires::adapt::LevelOfDetail;
+use multires::adapt::{LevelOfDetail, LodOptions};
 use multires::hierarchy::{HierarchyLod, HierarchyMesh};
 use multires::io::atomic;
 use serde_json::{Value, json};
@@ -32,6 +32,12 @@ pub struct Fly {
     /// Keep the vertices in use packed in a buffer of their own, instead of all in one that never changes.
     #[arg(long)]
     packed: bool,
+    /// At most so many triangles in any frame, the base mesh's at least: the most urgent for the view.
+    #[arg(long, value_name = "N")]
+    budget: Option<usize>,
+    /// At most so many splits and collapses a frame; the rest is carried over.
+    #[arg(long, value_name = "M")]
+    operations: Option<usize>,
     /// The table to write.
     #[arg(long, value_name = "FRAMES.csv")]
     csv: PathBuf,
@@ -92,7 +98,9 @@ impl Fly {
         let place = self.camera.place(model);
         let per_vertex = crate::rules::bytes_per_vertex(model.vertices());
         let shared = model.hierarchy().clone();
-        let mut lod = if self.packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
+        let lod = if self.packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
+        let limits = LodOptions::default().with_triangles(self.budget).with_operations(self.operations);
+        let mut lod = lod.with_options(limits);
         let mut used = Used { seen: vec![0; model.hierarchy().vertex_count()], frame: 0 };
         let mut rows = Vec::with_capacity(poses.len());
         for pose in poses {
@@ -140,6 +148,12 @@ impl Run for Fly {
         );
         table.row("output", format!("{}: {} frames", self.csv.display(), rows.len()));
         table.row("view", self.camera.describe_text());
+        if let Some(budget) = self.budget {
+            table.row("budget", format!("{budget} triangles"));
+        }
+        if let Some(operations) = self.operations {
+            table.row("at most", format!("{operations} splits and collapses a frame"));
+        }
         table.row("", format!("{:>12} {:>12} {:>12} {:>12}", "mean", "median", "99 %", "most"));
         let mut columns = serde_json::Map::new();
         for (i, name) in COLUMNS.into_iter().enumerate() {
@@ -160,6 +174,8 @@ impl Run for Fly {
             "output": { "path": self.csv.display().to_string(), "bytes": files::size(&self.csv) },
             "view": self.camera.describe(),
             "packed": self.packed,
+            "budget": self.budget,
+            "operations": self.operations,
             "frames": rows.len(),
             "columns": columns,
         });
