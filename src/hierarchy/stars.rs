@@ -3,6 +3,8 @@
 //! Runs have room for a power of two; freed ones wait in a list for their size. So walking a star reads memory in order,
 //! and once the pool has been as full as it gets nothing allocates.
 
+use std::ops::Range;
+
 use crate::mesh::NONE;
 
 /// A corner of a drawn triangle: `3 * triangle + k`, and the leaf it has at full resolution.
@@ -113,17 +115,28 @@ impl Stars {
         self.runs[vertex as usize] = Run { start, len_class: run.len() as u32 | (class as u32) << 27 };
     }
 
-    /// Takes a corner out of a star; nothing where it is not there.
-    pub fn remove(&mut self, vertex: u32, corner: u32) {
+    /// Takes the corners of a range out of a star.
+    pub fn remove(&mut self, vertex: u32, corners: &Range<u32>) {
         let run = self.runs[vertex as usize];
-        if run.start == NONE {
-            return;
+        let left = self.retain(run, corners);
+        if left < run.len() {
+            self.shorten(vertex, left);
         }
-        let entries = &mut self.pool[run.start as usize..run.start as usize + run.len()];
-        if let Some(at) = entries.iter().position(|entry| entry[0] == corner) {
-            entries.swap(at, run.len() - 1);
-            self.shorten(vertex, run.len() - 1);
+    }
+
+    /// Moves the entries of a run that are not of these corners to its front; how many there are.
+    #[inline]
+    fn retain(&mut self, run: Run, without: &Range<u32>) -> usize {
+        let mut left = 0;
+        if run.start != NONE {
+            let entries = &mut self.pool[run.start as usize..run.start as usize + run.len()];
+            for at in 0..entries.len() {
+                let entry = entries[at];
+                entries[left] = entry;
+                left += usize::from(!without.contains(&entry[0]));
+            }
         }
+        left
     }
 
     /// Leaves the first `len` entries.
@@ -175,13 +188,17 @@ impl Stars {
         self.shorten(vertex, len - goes);
     }
 
-    /// Moves all corners of one star to another and tells each.
-    pub fn join(&mut self, from: u32, to: u32, mut moved: impl FnMut(u32)) {
-        let run = self.runs[from as usize];
-        if run.start == NONE {
+    /// Moves all corners of one star to another and tells each; but for those of a range, which are dropped.
+    pub fn join(&mut self, from: u32, to: u32, without: &Range<u32>, mut moved: impl FnMut(u32)) {
+        let len = self.retain(self.runs[from as usize], without);
+        if len < self.runs[from as usize].len() {
+            self.shorten(from, len);
+        }
+        if len == 0 {
             return;
         }
-        let (start, len) = (run.start as usize, run.len());
+        let run = self.runs[from as usize];
+        let start = run.start as usize;
         self.pool[start..start + len].iter().for_each(|entry| moved(entry[0]));
         let other = self.runs[to as usize];
         if other.start == NONE {

@@ -22,6 +22,8 @@ use super::stars::Stars;
 pub struct Surface {
     stars: Stars,
     output: Output,
+    /// Vertices that may have lost their last corner, while a collapse is done.
+    loose: Vec<u32>,
 }
 
 /// What is drawn.
@@ -54,6 +56,22 @@ impl Output {
         group.dirty.mark(at);
     }
 
+    /// Takes a triangle out of its group; the vertices of its corners.
+    fn hide(&mut self, hierarchy: &VertexHierarchy, triangle: u32) -> [u32; 3] {
+        let group = &mut self.groups[hierarchy.group_of(triangle)];
+        let at = std::mem::replace(&mut self.place[triangle as usize], NONE);
+        let names = group.indices.swap_remove(at as usize);
+        group.drawn.swap_remove(at as usize);
+        if let Some(&last) = group.drawn.get(at as usize) {
+            self.place[last as usize] = at;
+            group.dirty.mark(at);
+        }
+        match &self.packed {
+            Some(packed) => names.map(|slot| packed.vertices()[slot as usize]),
+            None => names,
+        }
+    }
+
     /// What corners call a vertex that is or comes into use.
     #[inline]
     fn name(&mut self, vertex: u32) -> u32 {
@@ -72,7 +90,8 @@ impl Surface {
             groups: vec![Group::default(); hierarchy.materials().len().max(1)],
             packed: packed.then(|| Packed::new(hierarchy.vertex_count())),
         };
-        let mut surface = Self { stars: Stars::new(hierarchy.vertex_count()), output };
+        let stars = Stars::new(hierarchy.vertex_count());
+        let mut surface = Self { stars, output, loose: Vec::new() };
         for triangle in 0..hierarchy.first_triangle[0] {
             surface.show(hierarchy, triangle, |_| false);
         }
@@ -144,7 +163,7 @@ impl Surface {
         split: u32,
         there: impl Fn(u32) -> bool + Copy,
     ) {
-        let Self { stars, output } = self;
+        let Self { stars, output, .. } = self;
         for &vertex in hierarchy.brings.get(split).iter().rev() {
             let to = hierarchy.substitute[vertex as usize];
             let mut name = NONE;
@@ -165,20 +184,35 @@ impl Surface {
 
     /// Takes a split out of the mesh again; none that needs it may be there.
     pub(crate) fn collapse(&mut self, hierarchy: &VertexHierarchy, split: u32) {
-        for triangle in hierarchy.owned(split) {
-            self.hide(hierarchy, triangle);
+        let Self { stars, output, loose } = self;
+        let owned = hierarchy.owned(split);
+        let gone = 3 * owned.start..3 * owned.end;
+        for triangle in owned {
+            for vertex in output.hide(hierarchy, triangle) {
+                // What is brought loses its star as a whole.
+                if hierarchy.split_of[vertex as usize] != split {
+                    stars.remove(vertex, &gone);
+                    if output.packed.is_some() {
+                        loose.push(vertex);
+                    }
+                }
+            }
         }
         for &vertex in hierarchy.brings.get(split) {
             let to = hierarchy.substitute[vertex as usize];
-            let Self { stars, output } = self;
             let mut name = NONE;
-            stars.join(vertex, to, |corner| {
+            stars.join(vertex, to, &gone, |corner| {
                 if name == NONE {
                     name = output.name(to);
                 }
                 output.write(hierarchy, corner, name);
             });
-            self.release(hierarchy, vertex);
+        }
+        if self.output.packed.is_some() {
+            hierarchy.brings.get(split).iter().for_each(|&vertex| self.release(hierarchy, vertex));
+            while let Some(vertex) = self.loose.pop() {
+                self.release(hierarchy, vertex);
+            }
         }
     }
 
@@ -197,29 +231,9 @@ impl Surface {
         }
     }
 
-    fn hide(&mut self, hierarchy: &VertexHierarchy, triangle: u32) {
-        let Self { stars, output } = self;
-        let group = &mut output.groups[hierarchy.group_of(triangle)];
-        let at = std::mem::replace(&mut output.place[triangle as usize], NONE);
-        let names = group.indices.swap_remove(at as usize);
-        group.drawn.swap_remove(at as usize);
-        if let Some(&last) = group.drawn.get(at as usize) {
-            output.place[last as usize] = at;
-            group.dirty.mark(at);
-        }
-        let vertices = match &output.packed {
-            Some(packed) => names.map(|slot| packed.vertices()[slot as usize]),
-            None => names,
-        };
-        for (k, vertex) in vertices.into_iter().enumerate() {
-            stars.remove(vertex, 3 * triangle + k as u32);
-        }
-        vertices.into_iter().for_each(|vertex| self.release(hierarchy, vertex));
-    }
-
     /// Frees the slot of a vertex that no corner names any more.
     fn release(&mut self, hierarchy: &VertexHierarchy, vertex: u32) {
-        let Self { stars, output } = self;
+        let Self { stars, output, .. } = self;
         let Some(packed) = &mut output.packed else { return };
         if !stars.of(vertex).is_empty() {
             return;
