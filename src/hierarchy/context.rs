@@ -82,6 +82,8 @@ impl Scratch {
         let drawn = |leaf: u32| runs.iter().find(|run| run.0.contains(&leaf)).map_or(NONE, |run| run.1);
         triangles.clear();
         points.clear();
+        // What moves farthest first: the others then soon turn out to be nearer than that.
+        points.extend(brings.iter().map(|&vertex| position(hierarchy.first_leaf(vertex))));
         for (run, _) in runs.iter() {
             for leaf in run.clone() {
                 points.push(position(leaf));
@@ -105,12 +107,20 @@ impl Scratch {
             return 0.0;
         }
         let mut worst = 0.0_f64;
+        // Points come in order, so the triangle that the last one was near to is a good guess.
+        let mut guess = 0;
         for &point in points.iter() {
-            let mut nearest = f64::INFINITY;
-            for image in images.iter() {
-                nearest = nearest.min(distance_squared(point, image));
-                if nearest <= worst {
-                    break;
+            let mut nearest = distance_squared(point, &images[guess]);
+            if nearest <= worst {
+                continue;
+            }
+            for (i, image) in images.iter().enumerate() {
+                let distance = distance_squared(point, image);
+                if distance < nearest {
+                    (nearest, guess) = (distance, i);
+                    if nearest <= worst {
+                        break;
+                    }
                 }
             }
             worst = worst.max(nearest);

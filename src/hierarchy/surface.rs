@@ -187,10 +187,11 @@ impl Surface {
         let Self { stars, output, loose } = self;
         let owned = hierarchy.owned(split);
         let gone = 3 * owned.start..3 * owned.end;
+        let brought = hierarchy.brings.get(split);
         for triangle in owned {
             for vertex in output.hide(hierarchy, triangle) {
                 // What is brought loses its star as a whole.
-                if hierarchy.split_of[vertex as usize] != split {
+                if !brought.contains(&vertex) {
                     stars.remove(vertex, &gone);
                     if output.packed.is_some() {
                         loose.push(vertex);
@@ -198,7 +199,7 @@ impl Surface {
                 }
             }
         }
-        for &vertex in hierarchy.brings.get(split) {
+        for &vertex in brought {
             let to = hierarchy.substitute[vertex as usize];
             let mut name = NONE;
             stars.join(vertex, to, &gone, |corner| {
@@ -209,7 +210,7 @@ impl Surface {
             });
         }
         if self.output.packed.is_some() {
-            hierarchy.brings.get(split).iter().for_each(|&vertex| self.release(hierarchy, vertex));
+            brought.iter().for_each(|&vertex| self.release(hierarchy, vertex));
             while let Some(vertex) = self.loose.pop() {
                 self.release(hierarchy, vertex);
             }
