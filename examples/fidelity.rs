@@ -8,10 +8,15 @@
 //! largest distances from the model to the level and the other way, `mean` the mean of both directions, by samples of
 //! equal area (300,000 a mesh), corners and edges.
 
+#[path = "support/say.rs"]
+mod say;
+
 use std::error::Error;
+use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
-use multires::quality::{DistanceOptions, distance};
+use multires::quality::{DistanceOptions, Surface};
 use multires::{Mesh, Simplifier, io};
 
 /// The levels measured, in percent of the triangles.
@@ -33,14 +38,12 @@ fn main() -> ExitCode {
     if models.is_empty() {
         return usage();
     }
-    for model in &models {
-        let done = io::read(model).map_err(Box::from).and_then(|mesh| table(model, &mesh, samples));
-        if let Err(error) = done {
-            eprintln!("error: {model}: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    say::to_stdout(|says| {
+        models.iter().try_for_each(|model| {
+            let mesh = io::read(model).map_err(|error| say::name_file(Path::new(model), &error))?;
+            table(model, &mesh, samples, says)
+        })
+    })
 }
 
 fn usage() -> ExitCode {
@@ -48,23 +51,25 @@ fn usage() -> ExitCode {
     ExitCode::from(2)
 }
 
-fn table(model: &str, mesh: &Mesh, samples: usize) -> Result<(), Box<dyn Error>> {
+fn table(model: &str, mesh: &Mesh, samples: usize, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let sequence = Simplifier::new().run(mesh)?;
+    let original = Surface::new(mesh)?;
     let options = DistanceOptions::default().with_samples(samples);
-    println!("{model}\n kept %  triangles   reported        out       back       mean");
+    writeln!(says, "{model}\n kept %  triangles   reported        out       back       mean")?;
     for percent in PERCENTS {
         let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
         let level = sequence.extract(mesh, steps);
-        let measured = distance(mesh, &level, &options)?;
+        let measured = original.distance(&Surface::new(&level)?, &options)?;
         let of_diagonal = |x: f64| 100.0 * x / measured.diagonal;
-        println!(
+        writeln!(
+            says,
             "{percent:>7}  {:>9}   {:>8.4}   {:>8.4}   {:>8.4}   {:>8.4}",
-            level.triangles().len(),
+            say::grouped(level.triangles().len()),
             of_diagonal(f64::from(sequence.error_after(steps))),
             of_diagonal(measured.forward.max),
             of_diagonal(measured.backward.max),
             of_diagonal(measured.mean()),
-        );
+        )?;
     }
     Ok(())
 }
