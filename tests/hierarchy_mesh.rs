@@ -11,7 +11,7 @@ use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, shapes}
 use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
 use multires::view::{Motion, View, look_at};
 use proptest::prelude::*;
-use support::cuts::{Random, drawn};
+use support::lod::{Random, drawn};
 
 const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
 

@@ -11,7 +11,7 @@ use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, NewVertex};
 use multires::view::{Bounds, Motion, View, look_at};
 use proptest::prelude::*;
-use support::cuts::{Random, drawn, image, is_closed};
+use support::lod::{Random, drawn, image_at, is_closed};
 
 /// Two rows of three vertices and one apart; two materials.
 fn small() -> HierarchyParts {
@@ -135,7 +135,7 @@ fn use_it(hierarchy: VertexHierarchy, seed: u64) {
             let share = [100, 50, 80, 0, 90, 30][step as usize];
             lod.adapt_by(&Random::new(&hierarchy, seed ^ step, share), Motion::Other);
             assert!(is_closed(&hierarchy, lod.cut()));
-            assert_eq!(drawn(&lod), image(&hierarchy, lod.cut()));
+            assert_eq!(drawn(&lod), image_at(&hierarchy, lod.cut()));
         }
         for step in 0..6 {
             let eye = [reach * (step as f32 - 2.0), reach * 0.3, reach / (step + 1) as f32];
@@ -143,7 +143,7 @@ fn use_it(hierarchy: VertexHierarchy, seed: u64) {
             let Ok(view) = View::perspective(matrix, 1.0, [300, 200]) else { continue };
             lod.adapt(&[view.with_tolerance_px(2.0).with_silhouette_px(1.0).of_world()]);
             assert!(is_closed(&hierarchy, lod.cut()));
-            assert_eq!(drawn(&lod), image(&hierarchy, lod.cut()));
+            assert_eq!(drawn(&lod), image_at(&hierarchy, lod.cut()));
             let _ = (lod.dirty_triangles(0, 0).count(), lod.dirty_vertices(3).count());
             lod.clean();
         }

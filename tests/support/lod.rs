@@ -67,6 +67,20 @@ pub fn image(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
     all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
 }
 
+/// The image of all triangles at a cut, less those with two equal corners.
+pub fn image_at(hierarchy: &VertexHierarchy, cut: &Cut) -> Vec<(u32, [u32; 3])> {
+    let triangles = hierarchy.triangles().iter().enumerate();
+    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| hierarchy.stand_in(v, cut))));
+    all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
+}
+
+/// Whether a cut holds with each split those it needs.
+pub fn is_closed(hierarchy: &VertexHierarchy, cut: &Cut) -> bool {
+    let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
+    let mut needed = splits.flat_map(|split| hierarchy.parents(split).chain(hierarchy.needs(split)));
+    needed.all(|split| cut.holds(split))
+}
+
 /// The splits that are drawn.
 pub fn shown(lod: &HierarchyLod) -> Vec<u32> {
     (0..lod.hierarchy().split_count() as u32).filter(|&split| lod.shows(split)).collect()

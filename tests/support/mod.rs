@@ -2,7 +2,6 @@
 
 #![allow(dead_code)]
 
-pub mod cuts;
 pub mod lod;
 pub mod naive;
 
