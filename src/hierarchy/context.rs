@@ -18,7 +18,7 @@ use crate::mesh::{Adjacency, NONE};
 
 use super::{Lists, VertexHierarchy};
 
-/// Leaves of a cluster beyond which not all are looked at.
+/// Leaves of a cluster beyond which the error that the sequence measured has to do.
 const MOST_LEAVES: usize = 24;
 
 /// Per split, how far the input is from a mesh that is fine but for it. `end`: per vertex the end of its run of leaves.
