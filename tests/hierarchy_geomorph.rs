@@ -277,3 +277,26 @@ fn blends_are_exact_at_their_ends() {
     }
     assert_eq!(2.0_f32.blend(&4.0, 0.25), 2.5);
 }
+
+/// A whole that only knows how to be mixed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Mixed(f32);
+
+impl Blend for Mixed {
+    fn blend(&self, other: &Self, t: f32) -> Self {
+        Self(self.0.blend(&other.0, t))
+    }
+}
+
+#[test]
+fn what_is_carried_along_goes_as_far_and_ends_where_the_other_does() {
+    assert_eq!([10.0_f32, 1.0].moved(&[2.0, 1.0], &[4.0, 3.0], 0.25), [10.5, 1.5]);
+    for (a, b) in [(1.0_f32, 0.1), (1e30, -3e-20), (0.3, 0.7)] {
+        assert_eq!(a.moved(&b, &7.0, 0.0), a);
+        assert_eq!(a.moved(&a, &b, 1.0), b);
+        assert_eq!(a.moved(&a, &b, 0.0), a);
+        assert_eq!(Mixed(a).moved(&Mixed(a), &Mixed(b), 1.0), Mixed(b));
+        assert_eq!(Mixed(a).moved(&Mixed(a), &Mixed(b), 0.5), Mixed(a.moved(&a, &b, 0.5)));
+    }
+    assert_eq!(f32::INFINITY.moved(&1.0, &2.0, 0.0), f32::INFINITY);
+}
