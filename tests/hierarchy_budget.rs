@@ -89,7 +89,7 @@ proptest! {
             let enough = fresh(all.surface().triangle_count());
             prop_assert_eq!(wanted(&hierarchy, enough.cut()), wanted(&hierarchy, all.cut()));
             // Worst first: nothing that waits at the fringe is more urgent than what is there.
-            let urgency = |split: u32| view.urgency(hierarchy.bounds(split));
+            let urgency = |split: u32| view.urgency(&hierarchy.bounds(split));
             let splits = || 0..hierarchy.split_count() as u32;
             let least = splits().filter(|&s| few.cut().asks_for(s)).map(urgency).fold(f64::INFINITY, f64::min);
             let waits = |&s: &u32| !few.cut().asks_for(s) && hierarchy.parents(s).all(|p| few.cut().asks_for(p));

@@ -24,7 +24,7 @@ use flight::path::{Pose, VIEWPORT, approach};
 use flight::{History, NEVER, Placed, drawn};
 use glam::DVec3;
 use multires::adapt::{LevelOfDetail, Refinements};
-use multires::hierarchy::{Dependencies, HierarchyBuild, HierarchyLod, VertexHierarchy};
+use multires::hierarchy::{Dependencies, HierarchyBuild, HierarchyLod, HierarchyParts, VertexHierarchy};
 use multires::io::{self, Format};
 use multires::mesh::{Mesh, shapes};
 use multires::simplify::{CollapseSequence, Simplifier};
@@ -283,7 +283,7 @@ fn shapes_keep_their_surface_from_everywhere() {
 fn replays_the_stars(mesh: &Mesh, seed: u64) {
     let sequence = Simplifier::new().run(mesh).unwrap();
     let built = VertexHierarchy::build(mesh, &sequence, Dependencies::Neighbours).unwrap();
-    let hierarchy = Arc::new(built.hierarchy.clone());
+    let hierarchy = Arc::new(numbered(built.hierarchy.clone()));
     let history = History::new(&sequence);
     let input = |v: u32| built.vertex_order[v as usize];
     let triangles = |lod: &HierarchyLod| -> BTreeSet<(u32, [u32; 3])> {
@@ -322,15 +322,21 @@ fn replays_the_stars(mesh: &Mesh, seed: u64) {
     assert_eq!(lod.surface().triangle_count(), hierarchy.triangle_count());
 }
 
-/// Needs exactly the splits that are marked.
-struct Given<'a> {
-    hierarchy: &'a VertexHierarchy,
+/// With numbers of splits, counted from the last, in place of parametric errors: larger in parents, as they must be.
+fn numbered(hierarchy: VertexHierarchy) -> VertexHierarchy {
+    let mut parts = HierarchyParts::from(hierarchy);
+    parts.bounds.iter_mut().rev().enumerate().for_each(|(i, bounds)| bounds.parametric = i as f32);
+    parts.try_into().unwrap()
+}
+
+/// Needs exactly the splits that are marked, of a hierarchy that is [`numbered`].
+struct Given {
     needed: Vec<bool>,
 }
 
-impl<'a> Given<'a> {
-    fn new(hierarchy: &'a VertexHierarchy) -> Self {
-        Self { hierarchy, needed: vec![false; hierarchy.split_count()] }
+impl Given {
+    fn new(hierarchy: &VertexHierarchy) -> Self {
+        Self { needed: vec![false; hierarchy.split_count()] }
     }
 
     fn get(&self, split: u32) -> bool {
@@ -338,11 +344,9 @@ impl<'a> Given<'a> {
     }
 }
 
-impl Criterion for Given<'_> {
+impl Criterion for Given {
     fn needs(&self, bounds: &Bounds) -> Answer {
-        // All bounds lie in one array.
-        let first = std::ptr::from_ref(self.hierarchy.bounds(0)).addr();
-        Answer::once(self.needed[(std::ptr::from_ref(bounds).addr() - first) / size_of::<Bounds>()])
+        Answer::once(self.needed[self.needed.len() - 1 - bounds.parametric as usize])
     }
 
     fn motion(&self, _: &Self) -> Motion {

@@ -15,7 +15,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use crate::view::{Answer, Bounds, Criterion, Motion};
+use crate::view::{Answer, Criterion, Motion};
 
 use super::cut::{Cut, CutReport};
 use super::front::ASKED;
@@ -64,8 +64,8 @@ struct Coarsened<'a, C: ?Sized> {
     factor: f64,
 }
 
-impl<C: Criterion + ?Sized> Criterion for Coarsened<'_, C> {
-    fn needs(&self, bounds: &Bounds) -> Answer {
+impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Coarsened<'_, C> {
+    fn needs(&self, bounds: &B) -> Answer {
         if self.factor > 1.0 {
             self.criterion.needs_at(bounds, self.factor)
         } else {
@@ -101,24 +101,25 @@ impl Budget {
         self.limit = limit;
     }
 
-    /// Moves a cut to the most urgent of what the criterion needs that fits. `cost` is the triangles that a refinement adds;
-    /// `apply` is told what comes and goes. Only after the call is the cut within the budget.
-    pub fn update<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+    /// Moves a cut to the most urgent of what the criterion needs that fits. `cost` is asked once for each refinement that
+    /// comes (`true`) or goes, in the order in which that happens: the triangles that it then adds or takes away, which may
+    /// depend on what else is there; never more away than there are. `apply` is told what comes and goes. Only after the call is the cut within the budget.
+    pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         cut: &mut Cut,
         of: &R,
         criterion: &C,
         motion: Motion,
-        cost: impl Fn(u32) -> usize,
+        mut cost: impl FnMut(u32, bool) -> usize,
         mut apply: impl FnMut(u32, bool),
     ) -> CutReport {
         let mut report = CutReport::default();
         let mut count = |triangles: &mut usize, r: u32, comes: bool| {
             if comes {
-                *triangles += cost(r);
+                *triangles += cost(r, true);
                 report.splits += 1;
             } else {
-                *triangles -= cost(r);
+                *triangles -= cost(r, false);
                 report.collapses += 1;
             }
             apply(r, comes);
@@ -155,7 +156,7 @@ impl Budget {
         report
     }
 
-    fn balance<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+    fn balance<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         cut: &mut Cut,
         of: &R,
@@ -167,10 +168,9 @@ impl Budget {
         let Cut { front, closure } = cut;
         let mut tests = 0;
         let mut key = |r: u32| {
-            let bounds = of.bounds(r);
             tests += 1;
-            let urgency = criterion.urgency(bounds);
-            Key { urgency: if urgency > 0.0 { urgency } else { 0.0 }, error: bounds.error, refinement: r }
+            let urgency = criterion.urgency(&of.bounds(r));
+            Key { urgency: if urgency > 0.0 { urgency } else { 0.0 }, error: of.error(r), refinement: r }
         };
         rim.clear();
         fringe.clear();
@@ -248,5 +248,117 @@ impl Budget {
     /// Bytes of its heaps.
     pub fn memory(&self) -> usize {
         (self.rim.capacity() + self.fringe.capacity()) * size_of::<Key>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A binary tree: what is nested in `r` is `2 r + 1` and `2 r + 2`.
+    struct Tree(u32);
+
+    impl Refinements for Tree {
+        type Bounds = u32;
+
+        fn len(&self) -> usize {
+            self.0 as usize
+        }
+
+        fn roots(&self) -> impl Iterator<Item = u32> {
+            0..1
+        }
+
+        fn bounds(&self, r: u32) -> u32 {
+            r
+        }
+
+        fn parents(&self, r: u32) -> impl Iterator<Item = u32> {
+            r.checked_sub(1).map(|r| r / 2).into_iter()
+        }
+
+        fn children(&self, r: u32) -> impl Iterator<Item = u32> {
+            (2 * r + 1..2 * r + 3).filter(|&child| child < self.0)
+        }
+
+        fn needs(&self, _: u32) -> impl Iterator<Item = u32> {
+            std::iter::empty()
+        }
+    }
+
+    /// More urgent the nearer the root, and on one side.
+    struct Towards {
+        left: f64,
+        tolerance: f64,
+    }
+
+    impl Criterion<u32> for Towards {
+        fn needs(&self, r: &u32) -> Answer {
+            Answer::once(self.urgency(r) > 1.0)
+        }
+
+        fn motion(&self, _: &Self) -> Motion {
+            Motion::Other
+        }
+
+        fn urgency(&self, r: &u32) -> f64 {
+            let (mut r, mut urgency) = (*r, 1e4 / self.tolerance);
+            while r > 0 {
+                urgency *= if r % 2 == 1 { self.left } else { 1.0 - self.left };
+                r = (r - 1) / 2;
+            }
+            urgency
+        }
+    }
+
+    /// Two that lie side by side add more than each by itself.
+    fn adds(there: &[bool], r: u32) -> usize {
+        let beside = if r == 0 { false } else { there[((r - 1) ^ 1) as usize + 1] };
+        2 + usize::from(beside)
+    }
+
+    #[test]
+    fn costs_are_asked_once_as_things_come_and_go() {
+        let tree = Tree(1023);
+        let mut cut = Cut::new(tree.len(), 1.0, false);
+        let mut budget = Budget::new(150, 10);
+        let mut there = vec![false; tree.len()];
+        let mut triangles = 10;
+        let mut whole = 0;
+        for step in 0..60 {
+            let sway = f64::from(step % 11) / 11.0;
+            let criterion =
+                Towards { left: 0.2 + 0.6 * sway, tolerance: [1.0, 30.0, 3000.0][step as usize / 4 % 3] };
+            if step == 40 {
+                budget.set_limit(60);
+            }
+            let limit = if step < 40 { 150 } else { 60 };
+            let mut asked = Vec::new();
+            let mut told = Vec::new();
+            let cost = |r: u32, comes: bool| {
+                assert_eq!(there[r as usize], !comes);
+                let triangles_of_it = if comes {
+                    let adds = adds(&there, r);
+                    triangles += adds;
+                    adds
+                } else {
+                    let takes = adds(&there, r);
+                    triangles -= takes;
+                    takes
+                };
+                there[r as usize] = comes;
+                asked.push((r, comes));
+                triangles_of_it
+            };
+            let report = budget
+                .update(&mut cut, &tree, &criterion, Motion::Other, cost, |r, comes| told.push((r, comes)));
+            assert_eq!(asked, told);
+            assert_eq!(report.splits + report.collapses, told.len());
+            assert_eq!(budget.triangles, triangles);
+            assert!(triangles <= limit, "{triangles}");
+            assert!((0..1023).all(|r| cut.holds(r) == there[r as usize]));
+            whole += usize::from(triangles as f64 > ROOM * limit as f64 - 3.0);
+        }
+        assert!(whole > 10, "{whole} steps used the budget");
     }
 }

@@ -50,7 +50,7 @@ impl Cut {
     /// call the set is closed.
     ///
     /// Cost: one test for each refinement at the cut whose answer may have changed, plus what changes.
-    pub fn update<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+    pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
@@ -72,7 +72,7 @@ impl Cut {
 
     /// The same, but `apply` may say no to go on; then the set is closed, and nothing else is promised of it. Whether it
     /// never did, and the number of tests.
-    pub(super) fn update_while<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+    pub(super) fn update_while<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,

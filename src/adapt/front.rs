@@ -80,7 +80,7 @@ impl Front {
 
     /// Moves the set to what is asked for now. `changed` is told every change in an order in which each step is closed, and
     /// may say no to go on: then the set is closed, but no more than that, and no answer is known.
-    pub fn update<R: Refinements + ?Sized, C: Criterion + ?Sized>(
+    pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
@@ -99,7 +99,7 @@ impl Front {
             let asked = state & ASKED != 0;
             self.tests += 1;
             self.state[r as usize] |= AT_FRONT;
-            let answer = criterion.needs(of.bounds(r));
+            let answer = criterion.needs(&of.bounds(r));
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
                 if !changed(&mut self.state, r, answer.refine) {

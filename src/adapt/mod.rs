@@ -9,6 +9,7 @@
 //! | `cut.rs` | [`Cut`]: the three together |
 //! | `balance.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
 //! | `follow.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
+//! | `pace.rs` | between the cut and what is shown: budgets, and how much a frame |
 //! | `options.rs` | [`LodOptions`]: how much a frame, how much at most |
 //! | `geomorph.rs` | [`Geomorph`]: how long a transition takes |
 //! | `blend.rs` | [`Blend`]: what a vertex must be able to do to move |
@@ -26,18 +27,19 @@ mod front;
 mod geomorph;
 mod level_of_detail;
 mod options;
+mod pace;
 mod refinements;
 mod short_indices;
 mod wheel;
 
-pub(crate) use balance::Budget;
 pub use blend::Blend;
 pub(crate) use cut::is_done;
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
-pub(crate) use follow::{Follow, Limits, Picture};
+pub(crate) use follow::Picture;
 pub use geomorph::Geomorph;
 pub use level_of_detail::{Change, LevelOfDetail};
 pub use options::LodOptions;
+pub(crate) use pace::Pace;
 pub use refinements::Refinements;
 pub use short_indices::ShortIndices;

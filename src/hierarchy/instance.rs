@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Change, Cut, DirtyRanges, LevelOfDetail, LodOptions};
-use crate::view::{Criterion, Motion, ObjectView};
+use crate::adapt::{Change, Cut, DirtyRanges, LevelOfDetail, LodOptions, Pace};
+use crate::view::{Bounds, Criterion, Motion, ObjectView};
 
-use super::pace::{Movement, Pace, direct};
+use super::drawn::{Drawn, Movement, direct};
 use super::{Surface, VertexHierarchy};
 
 /// One drawn instance. Many share one hierarchy; each is independent, and may move to another thread.
@@ -72,12 +72,12 @@ impl HierarchyLod {
         self.options = options;
         if options == LodOptions::default() && !self.moves {
             if let Some(mut pace) = pace.take() {
-                pace.settle(hierarchy, surface, movement);
+                pace.settle(&**hierarchy, &mut Drawn { hierarchy, surface, movement });
             }
             return;
         }
         let drawn = surface.triangle_count();
-        let pace = pace.get_or_insert_with(|| Box::new(Pace::new(hierarchy, cut, drawn, self.moves)));
+        let pace = pace.get_or_insert_with(|| Box::new(Pace::new(&**hierarchy, cut, drawn, self.moves)));
         let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
         let wanted = splits.map(|split| hierarchy.owned(split).len()).sum::<usize>();
         pace.set(&options, hierarchy.base_triangle_count() + wanted);
@@ -94,8 +94,9 @@ impl HierarchyLod {
     }
 
     pub(super) fn settle_with(&mut self, movement: &mut impl Movement) {
-        if let Some(pace) = &mut self.pace {
-            pace.settle(&self.hierarchy, &mut self.surface, movement);
+        let Self { hierarchy, surface, pace, .. } = self;
+        if let Some(pace) = pace {
+            pace.settle(&**hierarchy, &mut Drawn { hierarchy, surface, movement });
         }
     }
 
@@ -111,7 +112,7 @@ impl HierarchyLod {
 
     /// Whether a split is drawn.
     pub fn shows(&self, split: u32) -> bool {
-        self.pace.as_ref().map_or_else(|| self.cut.holds(split), |pace| pace.follow().shows(split))
+        self.pace.as_ref().map_or_else(|| self.cut.holds(split), |pace| pace.shows(split))
     }
 
     /// The vertex that stands for a vertex in what is drawn. O(hops to it); the vertex itself out of range.
@@ -151,7 +152,7 @@ impl HierarchyLod {
 
     /// What has happened to the views since the last call.
     pub(super) fn motion(&self, views: &[ObjectView]) -> Motion {
-        if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) }
+        if self.views.is_empty() { Motion::Other } else { Criterion::<Bounds>::motion(views, &self.views) }
     }
 
     pub(super) fn update_views(
@@ -174,11 +175,12 @@ impl HierarchyLod {
         movement: &mut impl Movement,
     ) -> Change {
         let motion = if std::mem::take(&mut self.forgets) { Motion::Other } else { motion };
-        let state = (&*self.hierarchy, &mut self.cut, &mut self.surface);
-        match &mut self.pace {
-            None => direct(state, criterion, motion),
-            Some(pace) => pace.update(state, criterion, motion, progress, movement),
-        }
+        let Self { hierarchy, cut, surface, pace, .. } = self;
+        let hierarchy = &**hierarchy;
+        let Some(pace) = pace else { return direct((hierarchy, cut, surface), criterion, motion) };
+        let cost = |split: u32, _| hierarchy.owned(split).len();
+        let mut picture = Drawn { hierarchy, surface, movement };
+        pace.update((hierarchy, cut), &mut picture, criterion, motion, progress, cost)
     }
 
     /// Bytes of this instance, the shared hierarchy not counted.

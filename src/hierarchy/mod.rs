@@ -19,7 +19,7 @@
 //! | `builder.rs` | [`HierarchyBuilder`]: from a mesh in one call |
 //! | `bundle.rs` | [`HierarchyMesh`]: a hierarchy and its vertices, as baked to a file |
 //! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
-//! | `pace.rs` | between the cut and what is drawn: budgets, vertices that move |
+//! | `drawn.rs` | what is drawn, as the cut has it moved |
 //! | `morphed.rs` | [`MorphedLod`]: an instance whose vertices move to their places |
 //! | `moving.rs` | where moving vertices are |
 //! | `validate.rs` | every promise checked |
@@ -30,12 +30,12 @@ mod build;
 mod builder;
 mod bundle;
 mod context;
+mod drawn;
 mod error;
 mod instance;
 mod morphed;
 mod moving;
 mod needs;
-mod pace;
 mod packed;
 mod parts;
 mod stars;
@@ -255,6 +255,8 @@ impl VertexHierarchy {
 }
 
 impl Refinements for VertexHierarchy {
+    type Bounds = Bounds;
+
     fn len(&self) -> usize {
         self.bounds.len()
     }
@@ -264,8 +266,13 @@ impl Refinements for VertexHierarchy {
     }
 
     #[inline]
-    fn bounds(&self, split: u32) -> &Bounds {
-        &self.bounds[split as usize]
+    fn bounds(&self, split: u32) -> Bounds {
+        self.bounds[split as usize]
+    }
+
+    #[inline]
+    fn error(&self, split: u32) -> f32 {
+        self.bounds[split as usize].error
     }
 
     #[inline]

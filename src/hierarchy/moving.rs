@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::adapt::{Blend, Dirty, DirtyRanges};
 use crate::mesh::NONE;
 
-use super::pace::Movement;
+use super::drawn::Movement;
 use super::{Surface, VertexHierarchy};
 
 #[derive(Debug, Clone)]

@@ -77,12 +77,12 @@ pub enum Motion {
 
 /// Which refinements are needed.
 ///
-/// Must be monotone in the bounds: what is needed for some bounds is needed for bounds that
-/// [contain](Bounds::contains) them. A criterion that is not still yields a valid mesh: what is asked
+/// `B` is what a structure says of a refinement. Must be monotone in it: what is needed for some bounds is needed for bounds
+/// that [contain](Bounds::contains) them. A criterion that is not still yields a valid mesh: what is asked
 /// for is then what it and all that it builds on are asked for, as far as the cut came to ask.
-pub trait Criterion {
+pub trait Criterion<B = Bounds> {
     /// Whether a refinement with these bounds is needed.
-    fn needs(&self, bounds: &Bounds) -> Answer;
+    fn needs(&self, bounds: &B) -> Answer;
 
     /// What has happened since `before`. [`Motion::Other`] is always right, and the slowest.
     fn motion(&self, before: &Self) -> Motion;
@@ -91,27 +91,27 @@ pub trait Criterion {
     /// needed, 1 or less where it is not. A triangle budget splits the most urgent first and collapses the least urgent. Must
     /// be monotone in the bounds. Unless implemented, all that is needed is of endless urgency, and a larger error comes
     /// first.
-    fn urgency(&self, bounds: &Bounds) -> f64 {
+    fn urgency(&self, bounds: &B) -> f64 {
         if self.needs(bounds).refine { f64::INFINITY } else { 0.0 }
     }
 
     /// Whether the refinement would be needed with tolerances multiplied by `factor` (1 or more): where it is, its
     /// [urgency](Self::urgency) is above the factor. Unless implemented, the answer holds once.
-    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+    fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
         Answer::once(self.urgency(bounds) > factor)
     }
 
     /// Whether a change there may be seen; where not, it is made at once. Unless implemented, it may.
-    fn sees(&self, bounds: &Bounds) -> bool {
+    fn sees(&self, bounds: &B) -> bool {
         let _ = bounds;
         true
     }
 }
 
 /// Several views at once (split screen, shadow cascades): needed where any needs it.
-impl<C: Criterion> Criterion for [C] {
+impl<B, C: Criterion<B>> Criterion<B> for [C] {
     #[inline]
-    fn needs(&self, bounds: &Bounds) -> Answer {
+    fn needs(&self, bounds: &B) -> Answer {
         if let [one] = self {
             return one.needs(bounds);
         }
@@ -125,11 +125,11 @@ impl<C: Criterion> Criterion for [C] {
         answer
     }
 
-    fn urgency(&self, bounds: &Bounds) -> f64 {
+    fn urgency(&self, bounds: &B) -> f64 {
         self.iter().map(|view| view.urgency(bounds)).fold(0.0, f64::max)
     }
 
-    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+    fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
         let mut answer = Answer::NEVER;
         for view in self {
             answer = answer.or(view.needs_at(bounds, factor));
@@ -140,7 +140,7 @@ impl<C: Criterion> Criterion for [C] {
         answer
     }
 
-    fn sees(&self, bounds: &Bounds) -> bool {
+    fn sees(&self, bounds: &B) -> bool {
         self.iter().any(|view| view.sees(bounds))
     }
 

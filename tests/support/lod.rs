@@ -1,5 +1,7 @@
 //! What tests of levels of detail share.
 
+use std::collections::BTreeMap;
+
 use multires::adapt::{Cut, LevelOfDetail, Refinements};
 use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
 use multires::mesh::{Mesh, shapes};
@@ -8,33 +10,51 @@ use multires::view::{Answer, Bounds, Criterion, Motion, View};
 pub const POLICIES: [Dependencies; 3] =
     [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
 
-/// Needs what a hash says, as far as parents are needed: any closed set can be asked for.
+/// Needs what a hash says, as far as parents are needed: any closed set can be asked for, with all splits of the same bounds.
 #[derive(Clone)]
-pub struct Random<'a> {
-    pub hierarchy: &'a VertexHierarchy,
+pub struct Random {
     pub needed: Vec<bool>,
     pub seen: bool,
+    of_bounds: BTreeMap<[u32; 7], bool>,
 }
 
-impl<'a> Random<'a> {
-    pub fn new(hierarchy: &'a VertexHierarchy, seed: u64, share: u64) -> Self {
-        let mut needed: Vec<bool> = Vec::new();
-        for split in 0..hierarchy.split_count() as u32 {
+fn bits(bounds: &Bounds) -> [u32; 7] {
+    let Bounds { centre: [x, y, z], radius, error, parametric, cone } = *bounds;
+    let numbers = [x, y, z, radius, error, parametric].map(f32::to_bits);
+    let [x, y, z, radius, error, parametric] = numbers;
+    [x, y, z, radius, error, parametric, u32::from_ne_bytes(cone.map(|byte| byte as u8))]
+}
+
+impl Random {
+    pub fn new(hierarchy: &VertexHierarchy, seed: u64, share: u64) -> Self {
+        let splits = 0..hierarchy.split_count() as u32;
+        let key = |split: u32| bits(&hierarchy.bounds(split));
+        let mut of_bounds = BTreeMap::new();
+        for split in splits.clone() {
             let hash =
                 (u64::from(split) + 1).wrapping_mul(seed | 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-            let own = hash % 100 < share;
-            needed.push(own && hierarchy.parents(split).all(|parent| needed[parent as usize]));
+            of_bounds.entry(key(split)).or_insert(hash % 100 < share);
         }
-        Self { hierarchy, needed, seen: true }
+        // Parents come first, but for those of splits with the same bounds.
+        loop {
+            let mut settled = true;
+            for split in splits.clone() {
+                if of_bounds[&key(split)] && !hierarchy.parents(split).all(|parent| of_bounds[&key(parent)]) {
+                    of_bounds.insert(key(split), false);
+                    settled = false;
+                }
+            }
+            if settled {
+                break;
+            }
+        }
+        Self { needed: splits.map(|split| of_bounds[&key(split)]).collect(), seen: true, of_bounds }
     }
 }
 
-impl Criterion for Random<'_> {
+impl Criterion for Random {
     fn needs(&self, bounds: &Bounds) -> Answer {
-        let first = self.hierarchy.bounds(0);
-        let split =
-            (std::ptr::from_ref(bounds).addr() - std::ptr::from_ref(first).addr()) / size_of::<Bounds>();
-        Answer::once(self.needed[split])
+        Answer::once(self.of_bounds[&bits(bounds)])
     }
 
     fn motion(&self, _: &Self) -> Motion {
