@@ -6,6 +6,10 @@
 //! | `look_at.rs` | [`look_at`]: the matrix of a camera that looks at a point |
 //! | `object.rs` | [`ObjectView`]: the same in the space of one object, as tests need it |
 //! | `bounds.rs` | [`Bounds`]: what a refinement can change: a sphere, a cone of normals, an error |
+//! | `deviation.rs` | [`DeviationBounds`]: the same with errors that are larger along the normal than across it, or the other way round |
+//! | `error_shape.rs` | [`ErrorShape`]: spheroids, and spheres with cones, around error vectors |
+//! | `region.rs` | the sphere and the cone that bounds of all kinds have |
+//! | `seen.rs` | how bounds look from an eye |
 //! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and for how long that stays so |
 //!
 //! # Nested tests
@@ -17,13 +21,19 @@
 mod bounds;
 mod camera;
 mod criteria;
+mod deviation;
+mod error_shape;
 mod look_at;
 mod matrix;
 mod object;
+mod region;
+mod seen;
 
 pub use bounds::Bounds;
-pub(crate) use bounds::angle_between;
 pub use camera::{ErrorKind, Focus, View, ViewError};
 pub use criteria::{Answer, Criterion, Motion};
+pub use deviation::DeviationBounds;
+pub use error_shape::ErrorShape;
 pub use look_at::look_at;
 pub use object::ObjectView;
+pub(crate) use region::angle_between;

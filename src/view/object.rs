@@ -2,10 +2,13 @@
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::bounds::{Bounds, angle_between};
+use super::bounds::Bounds;
 use super::camera::{ErrorKind, Eye, View, ViewError};
 use super::criteria::{Answer, Criterion, Motion};
+use super::deviation::DeviationBounds;
 use super::matrix::{columns, uniform_scale};
+use super::region::angle_between;
+use super::seen::{Extent, Facing, Place, Seen};
 
 /// Distance at which a budget takes those that the eye is in, or that are in focus, to be: before all others, by their error.
 /// Object units; any length far below all that is measured does.
@@ -84,55 +87,6 @@ impl View {
     }
 }
 
-/// Where a sphere is, as all tests see it.
-struct Place {
-    /// From the eye to its centre; by an orthographic view the direction of view.
-    to: DVec3,
-    /// Length of `to`, and its square; the latter is 1 by an orthographic view.
-    distance: f64,
-    square: f64,
-    /// To the nearest point of the sphere; negative inside it.
-    gap: f64,
-}
-
-/// Normals against lines of sight, as sines and cosines of angles.
-struct Facing {
-    /// Half the cone's angle plus half the angle under which the sphere is seen.
-    wide: [f64; 2],
-    /// By how much the axis points away from the eye beyond a right angle to the line of sight.
-    away: [f64; 2],
-    gap: f64,
-}
-
-impl Facing {
-    /// Whether any normal may be at a right angle to a line of sight or beyond, towards the eye.
-    #[inline]
-    fn front(&self) -> Answer {
-        self.compare(self.away[0])
-    }
-
-    /// The same away from the eye.
-    #[inline]
-    fn back(&self) -> Answer {
-        self.compare(-self.away[0])
-    }
-
-    #[inline]
-    fn compare(&self, away: f64) -> Answer {
-        if self.gap <= 0.0 {
-            return Answer { refine: true, moved: -self.gap, turned: f64::INFINITY };
-        }
-        let ([wide_sine, wide_cosine], away_cosine) = (self.wide, self.away[1]);
-        // Sine and cosine of `wide - away`.
-        let sine = wide_sine * away_cosine - wide_cosine * away;
-        let cosine = wide_cosine * away_cosine + wide_sine * away;
-        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
-        let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
-        let moved = if self.gap < f64::INFINITY { self.gap * allowed } else { f64::INFINITY };
-        Answer { refine: sine >= 0.0 || wide_cosine <= 0.0, moved, turned: f64::INFINITY }
-    }
-}
-
 /// A no on account of the error that holds for this share of the distance is not worth asking whether another holds longer.
 const LONG: f64 = 0.125;
 
@@ -152,10 +106,10 @@ impl ObjectView {
     }
 
     #[inline]
-    fn place(&self, bounds: &Bounds) -> Place {
+    fn place(&self, bounds: &impl Seen) -> Place {
         match self.eye {
             Eye::At { eye, .. } => {
-                let to = DVec3::from_array(bounds.centre.map(f64::from)) - eye;
+                let to = bounds.centre() - eye;
                 let square = to.length_squared();
                 let distance = square.sqrt();
                 Place { to, distance, square, gap: distance - bounds.reach() }
@@ -168,11 +122,11 @@ impl ObjectView {
 
     /// Whether the sphere reaches into the frustum.
     #[inline]
-    fn in_frustum(&self, bounds: &Bounds, place: &Place) -> Answer {
+    fn in_frustum(&self, bounds: &impl Seen, place: &Place) -> Answer {
         if !self.frustum {
             return Answer::ALWAYS;
         }
-        let centre = DVec3::from_array(bounds.centre.map(f64::from)).extend(1.0);
+        let centre = bounds.centre().extend(1.0);
         let mut inside = f64::INFINITY;
         for plane in &self.planes[..self.plane_count] {
             let distance = plane.dot(centre);
@@ -191,13 +145,12 @@ impl ObjectView {
 
     /// Where a cone of normals stands to the directions in which its sphere is seen; `None` where it holds all directions.
     #[inline]
-    fn facing(&self, bounds: &Bounds, place: &Place) -> Option<Facing> {
+    fn facing(&self, bounds: &impl Seen, place: &Place) -> Option<Facing> {
         let (axis, [sine, cosine]) = bounds.facing()?;
         if place.gap <= 0.0 {
             return Some(Facing { wide: [1.0, -1.0], away: [0.0, 1.0], gap: place.gap });
         }
-        let half_sine = bounds.reach() / place.distance;
-        let half_cosine = ((1.0 - half_sine) * (1.0 + half_sine)).sqrt();
+        let [half_sine, half_cosine] = place.half(bounds.reach());
         let wide = [sine * half_cosine + cosine * half_sine, cosine * half_cosine - sine * half_sine];
         let away = axis.dot(place.to) / (axis.length_squared() * place.square).sqrt();
         let away = away.clamp(-1.0, 1.0);
@@ -205,50 +158,43 @@ impl ObjectView {
     }
 
     /// Whether an error is too large at the nearest point of the sphere.
-    fn too_large(&self, error: f64, reach: f64, place: &Place) -> Answer {
-        if error <= 0.0 {
+    #[inline]
+    fn too_large(&self, error: &Extent, reach: f64, place: &Place) -> Answer {
+        if error.largest <= 0.0 {
             return Answer::NEVER;
         }
-        let far = error * reach;
+        let far = error.size * reach;
         match self.eye {
-            Eye::At { .. } => Answer {
-                refine: place.gap.max(NEAREST) < far,
-                moved: (place.gap - far).abs(),
-                turned: f64::INFINITY,
-            },
+            Eye::At { .. } => {
+                let refine = place.gap.max(NEAREST) < far;
+                Answer { refine, moved: error.slack(reach, place.gap, refine), turned: f64::INFINITY }
+            }
             Eye::Along { .. } => Answer { refine: far > 1.0, ..Answer::ALWAYS },
         }
     }
 
-    fn in_focus(&self, bounds: &Bounds) -> Answer {
+    fn in_focus(&self, bounds: &impl Seen) -> Answer {
         let Some((centre, radius)) = self.focus else { return Answer::NEVER };
-        let gap = centre.distance(DVec3::from_array(bounds.centre.map(f64::from))) - bounds.reach() - radius;
+        let gap = centre.distance(bounds.centre()) - bounds.reach() - radius;
         Answer { refine: gap < 0.0, moved: gap.abs(), turned: f64::INFINITY }
     }
 }
 
 impl ObjectView {
-    #[inline]
-    fn error_of(&self, bounds: &Bounds) -> f64 {
-        f64::from(match self.error {
-            ErrorKind::Geometric => bounds.error,
-            ErrorKind::Parametric => bounds.parametric,
-        })
-    }
-
     /// Whether a refinement is needed with tolerances multiplied by a factor.
     #[inline]
-    fn answer(&self, bounds: &Bounds, factor: f64) -> Answer {
+    fn answer(&self, bounds: &impl Seen, factor: f64) -> Answer {
         let place = self.place(bounds);
-        let error = self.error_of(bounds);
-        let mut answer = self.too_large(error, self.reach / factor, &place);
+        let error = bounds.extent(self.error, &place);
+        let mut answer = self.too_large(&error, self.reach / factor, &place);
         let mut facing = None;
         if !answer.refine && self.silhouette_reach > self.reach {
             facing = self.facing(bounds, &place);
             let both = facing.as_ref().map_or(Answer::ALWAYS, |facing| facing.front().and(facing.back()));
-            answer = answer.or(self.too_large(error, self.silhouette_reach / factor, &place).and(both));
+            answer = answer.or(self.too_large(&error, self.silhouette_reach / factor, &place).and(both));
         }
-        if self.focus.is_some() && (factor <= 1.0 || error * self.silhouette_reach > NEAREST * factor) {
+        if self.focus.is_some() && (factor <= 1.0 || error.largest * self.silhouette_reach > NEAREST * factor)
+        {
             answer = answer.or(self.in_focus(bounds));
         }
         if !answer.refine && answer.moved > LONG * place.gap {
@@ -266,18 +212,8 @@ impl ObjectView {
         }
         answer.and(self.in_frustum(bounds, &place))
     }
-}
 
-impl Criterion for ObjectView {
-    fn needs(&self, bounds: &Bounds) -> Answer {
-        self.answer(bounds, 1.0)
-    }
-
-    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
-        self.answer(bounds, factor)
-    }
-
-    fn urgency(&self, bounds: &Bounds) -> f64 {
+    fn urgency_of(&self, bounds: &impl Seen) -> f64 {
         let place = self.place(bounds);
         let facing = self.facing(bounds, &place);
         let front = facing.as_ref().is_none_or(|facing| facing.front().refine);
@@ -286,25 +222,27 @@ impl Criterion for ObjectView {
         }
         let silhouette = front && facing.as_ref().is_none_or(|facing| facing.back().refine);
         let reach = if silhouette { self.silhouette_reach } else { self.reach };
-        let error = self.error_of(bounds).max(0.0);
+        let error = bounds.extent(self.error, &place);
+        let size = error.size.max(0.0);
         let urgency = match self.eye {
-            Eye::At { .. } => error * reach / place.gap.max(NEAREST),
-            Eye::Along { .. } => error * reach,
+            Eye::At { .. } => size * reach / place.gap.max(NEAREST),
+            Eye::Along { .. } => size * reach,
         };
         if self.in_focus(bounds).refine {
-            urgency.max(error * self.silhouette_reach / NEAREST).max(BARELY)
+            urgency.max(error.largest.max(0.0) * self.silhouette_reach / NEAREST).max(BARELY)
         } else {
             urgency
         }
     }
 
-    fn sees(&self, bounds: &Bounds) -> bool {
+    fn may_see(&self, bounds: &impl Seen) -> bool {
         let place = self.place(bounds);
         let front = || self.facing(bounds, &place).is_none_or(|facing| facing.front().refine);
         self.in_frustum(bounds, &place).refine && (!self.back_faces || front())
     }
 
-    fn motion(&self, before: &Self) -> Motion {
+    /// What has happened since `before`: [`Criterion::motion`], whatever the bounds.
+    pub fn motion(&self, before: &Self) -> Motion {
         let same = self.reach == before.reach
             && self.silhouette_reach == before.silhouette_reach
             && self.error == before.error
@@ -340,5 +278,51 @@ impl Criterion for ObjectView {
             }
             _ => Motion::Other,
         }
+    }
+}
+
+impl Criterion for ObjectView {
+    fn needs(&self, bounds: &Bounds) -> Answer {
+        self.answer(bounds, 1.0)
+    }
+
+    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+        self.answer(bounds, factor)
+    }
+
+    fn urgency(&self, bounds: &Bounds) -> f64 {
+        self.urgency_of(bounds)
+    }
+
+    fn sees(&self, bounds: &Bounds) -> bool {
+        self.may_see(bounds)
+    }
+
+    fn motion(&self, before: &Self) -> Motion {
+        self.motion(before)
+    }
+}
+
+/// By how large the errors may look; which [`ErrorKind`] a view goes by does not matter, since shapes bound displacements in all
+/// directions.
+impl Criterion<DeviationBounds> for ObjectView {
+    fn needs(&self, bounds: &DeviationBounds) -> Answer {
+        self.answer(bounds, 1.0)
+    }
+
+    fn needs_at(&self, bounds: &DeviationBounds, factor: f64) -> Answer {
+        self.answer(bounds, factor)
+    }
+
+    fn urgency(&self, bounds: &DeviationBounds) -> f64 {
+        self.urgency_of(bounds)
+    }
+
+    fn sees(&self, bounds: &DeviationBounds) -> bool {
+        self.may_see(bounds)
+    }
+
+    fn motion(&self, before: &Self) -> Motion {
+        self.motion(before)
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(dead_code)]
 
+pub mod camera;
 pub mod lod;
 pub mod naive;
 

@@ -1,0 +1,111 @@
+//! Where a refinement lies and which way it faces: a sphere and a packed cone of normals, as bounds of all kinds have them.
+//!
+//! Cones are four bytes: the axis in 127ths, and the half-angle in 255ths of a right angle; 255: normals of all directions.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
+
+use glam::DVec3;
+
+/// Steps of the half-angle in its byte, and of an axis component.
+const ANGLE_STEPS: f64 = 255.0;
+const AXIS_STEPS: f64 = 127.0;
+/// Radius of all of space.
+const EVERYWHERE: f64 = 1e40;
+
+/// All directions about no axis.
+pub(super) const ALL: [i8; 4] = [0, 0, 0, ANY];
+/// The byte of the half-angle where all directions are in.
+pub(super) const ANY: i8 = -1;
+
+/// Sine and cosine of every half-angle.
+static ANGLES: LazyLock<[[f64; 2]; 256]> =
+    LazyLock::new(|| std::array::from_fn(|step| (step as f64 * (FRAC_PI_2 / ANGLE_STEPS)).sin_cos().into()));
+
+/// A radius, and more than any distance between single-precision points where that is all of space.
+#[inline]
+pub(super) fn reach(radius: f32) -> f64 {
+    if radius < f32::MAX { f64::from(radius) } else { EVERYWHERE }
+}
+
+/// Whether the sphere at `a` holds the one at `b`.
+pub(super) fn sphere_holds((a, radius): ([f32; 3], f32), (b, inner): ([f32; 3], f32)) -> bool {
+    let [a, b] = [a, b].map(|x| DVec3::from_array(x.map(f64::from)));
+    radius == f32::MAX || a.distance(b) + reach(inner) <= reach(radius)
+}
+
+/// Whether a cone holds another.
+pub(super) fn cone_holds(outer: [i8; 4], inner: [i8; 4]) -> bool {
+    match (unpack(outer), unpack(inner)) {
+        (None, _) => true,
+        (Some(_), None) => false,
+        (Some((a, wide)), Some((b, narrow))) => angle_between(a, b) + narrow <= wide + 1e-12,
+    }
+}
+
+/// A cone's axis, in 127ths; 0 where it has none.
+#[inline]
+pub(super) fn axis([x, y, z, _]: [i8; 4]) -> DVec3 {
+    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+}
+
+/// A cone's axis (unit length) and half-angle in radians; `None` where it holds all directions.
+pub(super) fn unpack(cone: [i8; 4]) -> Option<(DVec3, f64)> {
+    if cone[3] == ANY {
+        return None;
+    }
+    Some((axis(cone).try_normalize()?, f64::from(cone[3] as u8) * (FRAC_PI_2 / ANGLE_STEPS)))
+}
+
+/// A cone as tests take it: its axis at any length, and sine and cosine of its half-angle; `None` where it holds all
+/// directions.
+#[inline]
+pub(super) fn facing(cone: [i8; 4]) -> Option<(DVec3, [f64; 2])> {
+    let [x, y, z, angle] = cone;
+    if angle == ANY || (x | y | z) == 0 {
+        return None;
+    }
+    Some((axis(cone), ANGLES[usize::from(angle as u8)]))
+}
+
+/// Rounds an axis and widens the angle by as much as that turned it. `None` where the axis is no direction.
+pub(super) fn pack(axis: DVec3, half_angle: f64) -> Option<[i8; 4]> {
+    let axis = axis.try_normalize()?;
+    let rounded = axis.to_array().map(|x| (x * AXIS_STEPS).round() as i8);
+    let turned = DVec3::from_array(rounded.map(f64::from)).try_normalize()?;
+    let wide = half_angle + angle_between(axis, turned);
+    let steps = (wide * (ANGLE_STEPS / FRAC_PI_2)).ceil();
+    let [x, y, z] = rounded;
+    let angle = if (0.0..ANGLE_STEPS).contains(&steps) { steps as u8 as i8 } else { ANY };
+    Some([x, y, z, angle])
+}
+
+/// Angle between two unit vectors, exact for small ones too.
+pub(crate) fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    2.0 * (a - b).length().atan2((a + b).length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_only_widens() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / (1u64 << 31) as f64 * 2.0 - 1.0
+        };
+        for _ in 0..20_000 {
+            let axis = DVec3::new(random(), random(), random());
+            let angle = random().abs() * 1.6;
+            let cone = pack(axis, angle).unwrap();
+            if let Some((packed, wide)) = unpack(cone) {
+                assert!(angle_between(packed, axis.normalize()) + angle <= wide + 1e-9);
+                assert!(wide <= angle + 0.02);
+            } else {
+                assert!(angle > FRAC_PI_2 - 0.02);
+            }
+        }
+    }
+}
