@@ -17,16 +17,19 @@
 //! | `coarsen.rs` | four faces for one, all over a component |
 //! | `stop.rs` | why that ended |
 //!
-//! After Taubin, "Detecting and reconstructing subdivision connectivity" (The Visual Computer 18, 2002), which groups
-//! faces of a manifold by covering meshes; here labels that spread from one face do the same on any complex.
+//! The problem is that of Taubin, "Is this a quadrisected mesh?" (ACM Solid Modeling 2001), who finds the coarse mesh of
+//! a manifold among the components of a covering mesh. Here labels that spread from one face do the work, on complexes
+//! of any kind.
 //!
 //! **Several ways.** A vertex with other than six faces around it (three at a border, three for every face of an edge
 //! where many meet) is no midpoint, and one vertex known to be old settles the whole component. So more than one of
-//! the four assumptions can hold only where all vertices are regular. On a torus, an annulus and a Moebius strip,
-//! shifts of the lattice map the assumptions onto each other, so the first is as good as any. On a Klein bottle they
-//! do not: the row on which a glide reflection fixes points must be a row of old vertices, or the next level fails.
-//! Seams and materials break the symmetry too. So where a level cannot be coarsened, the level before is tried in
-//! its other ways, and the first that goes farther is taken. That adds at most the cost of one level to each.
+//! the four assumptions can hold only where all vertices are regular: on a manifold, where the component is the
+//! triangular lattice rolled up. Of a torus, an annulus and a Moebius strip, shifts of the lattice map the ways onto each
+//! other. Of a Klein bottle, a glide reflection settles one coordinate of the old vertices, and whether there is a next
+//! level does not depend on the other. So the first way is as good as any, but for what is no part of the lattice:
+//! seams, materials, clashing orientation, and edges where many faces meet. For their sake the ways of a level are
+//! looked at again where the level above it cannot be coarsened, and the first that goes farther is taken. Each level
+//! is looked at twice at most, so that all stays linear; a way that fails only two levels above is not found out.
 
 mod coarsen;
 mod complex;
