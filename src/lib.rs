@@ -82,6 +82,7 @@ pub mod quality;
 pub mod simplify;
 pub mod tom;
 pub mod view;
+pub mod wavelet;
 
 pub use error::MeshError;
 pub use hierarchy::{HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
