@@ -122,6 +122,31 @@ impl Attribute {
         }
     }
 
+    /// Puts vertices in the middle of two others, one after the other; what cannot be blended is that of the first.
+    pub(super) fn put_midpoints(&mut self, ends: impl Iterator<Item = (u32, [u32; 2])>) {
+        let width = self.width;
+        for (vertex, ends) in ends {
+            let [vertex, a, b] = [vertex, ends[0], ends[1]].map(|v| v as usize * width);
+            match &mut self.values {
+                AttributeValues::Float(values) => {
+                    for i in 0..width {
+                        values[vertex + i] = 0.5 * values[a + i] + 0.5 * values[b + i];
+                    }
+                }
+                AttributeValues::Int(values) => values.copy_within(a..a + width, vertex),
+                AttributeValues::Uint(values) => values.copy_within(a..a + width, vertex),
+            }
+            let mut value = [0.0; 16];
+            if let AttributeValues::Float(values) = &self.values {
+                value[..width].copy_from_slice(&values[vertex..vertex + width]);
+                self.normalise_direction(&mut value[..width]);
+            }
+            if let AttributeValues::Float(values) = &mut self.values {
+                values[vertex..vertex + width].copy_from_slice(&value[..width]);
+            }
+        }
+    }
+
     pub(super) fn check(&self, vertices: usize) -> Result<(), MeshError> {
         if !(1..=16).contains(&self.width) {
             return Err(MeshError::AttributeWidth { name: self.name.clone(), width: self.width });

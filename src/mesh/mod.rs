@@ -8,6 +8,7 @@
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
 //! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
 //! | `gather.rs` | a mesh of some vertices of another |
+//! | `midpoints.rs` | vertices in the middle of two others, and normals from the triangles |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
@@ -15,6 +16,7 @@ mod adjacency;
 mod attribute;
 mod edges;
 mod gather;
+mod midpoints;
 mod report;
 pub mod shapes;
 mod topology;

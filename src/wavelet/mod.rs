@@ -1,12 +1,44 @@
-//! Meshes with subdivision connectivity: what a wavelet transform of a surface works on.
+//! Lazy-wavelet meshes: refinement by view over subdivision connectivity.
+//!
+//! A mesh that is a four-to-one subdivision of a coarse one is the coarse mesh plus one correction for every vertex that
+//! subdivision added: a *lazy wavelet*, a hat at the midpoint of an edge, times a coefficient (Azuma et al. 2007, View-dependent
+//! refinement of multiresolution meshes with subdivision connectivity). Any set of them that is closed under parents is a
+//! mesh without cracks; a view asks for a set, and textures cannot slide, since every point stays what it is on the base.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `quadrisection.rs` | [`Quadrisection`]: base faces and their four-to-one subdivisions, a forest in level order |
-//! | `recognise/` | [`recognise`]: finds the subdivision that a plain mesh has |
+//! | `quadrisection.rs`, `recognise/` | finding the coarsest mesh that a mesh is a subdivision of |
+//! | `subdivision.rs` | [`Subdivision`]: faces, wavelets, parents and children, most of it arithmetic |
+//! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
+//! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
+//! | `bounds.rs` | what leaving a wavelet out can change |
+//! | `tally.rs` | which faces are split and which vertices are in use |
+//! | `surface.rs` | the triangles, without T-vertices |
+//! | `vertices.rs` | where vertices are drawn |
+//! | `instance.rs` | [`WaveletLod`]: one drawn instance |
+//! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
+mod bounds;
+mod build;
+mod builder;
+mod error;
+mod instance;
+mod mesh;
+mod options;
 mod quadrisection;
 mod recognise;
+mod subdivision;
+mod surface;
+mod tally;
+#[cfg(feature = "serde")]
+mod validate;
+mod vertices;
 
+pub use builder::{Face, Midpoint, WaveletBuilder};
+pub use error::WaveletError;
+pub use instance::WaveletLod;
+pub use mesh::WaveletMesh;
+pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise};
+pub use subdivision::Subdivision;

@@ -1,0 +1,43 @@
+//! Vertices in the middle of two others, and normals from the triangles.
+
+use glam::DVec3;
+
+use super::{Attribute, Mesh, Topology, names};
+
+impl Mesh {
+    /// The same with vertices put in the middle of two others, one after the other. Values that cannot be blended are those
+    /// of the first.
+    pub(crate) fn with_midpoints(mut self, ends: impl Iterator<Item = (u32, [u32; 2])> + Clone) -> Self {
+        for (vertex, [a, b]) in ends.clone() {
+            let [a, b] = [a, b].map(|end| self.positions[end as usize]);
+            self.positions[vertex as usize] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
+        }
+        self.attributes.iter_mut().for_each(|attribute| attribute.put_midpoints(ends.clone()));
+        self
+    }
+
+    /// The same with other positions, as many and all finite.
+    pub(crate) fn with_positions(mut self, positions: Vec<[f32; 3]>) -> Self {
+        debug_assert_eq!(positions.len(), self.positions.len());
+        self.positions = positions;
+        self
+    }
+
+    /// The same with normals that are the means of the triangles around each position, by area; vertices at one position get
+    /// the same. Instead of those that there are.
+    pub(crate) fn with_smooth_normals(mut self) -> Self {
+        let topology = Topology::new(&self);
+        let point_of = topology.point_of();
+        let mut sums = vec![DVec3::ZERO; topology.point_count()];
+        for corners in &self.triangles {
+            let [a, b, c] = corners.map(|v| DVec3::from_array(self.positions[v as usize].map(f64::from)));
+            let normal = (b - a).cross(c - a);
+            corners.iter().for_each(|&v| sums[point_of[v as usize] as usize] += normal);
+        }
+        let unit = |&point: &u32| sums[point as usize].normalize_or(DVec3::Z).as_vec3().to_array();
+        let normals: Vec<[f32; 3]> = point_of.iter().map(unit).collect();
+        self.attributes.retain(|attribute| attribute.name() != names::NORMAL);
+        self.attributes.insert(0, Attribute::floats(names::NORMAL, &normals));
+        self
+    }
+}

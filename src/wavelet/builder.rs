@@ -1,0 +1,166 @@
+//! A wavelet mesh from a base mesh: level by level, by a function that says where new vertices go, and which faces are split.
+
+use crate::mesh::{Mesh, Topology};
+
+use super::build::SubdivisionBuilder;
+use super::{WaveletError, WaveletMesh, WaveletOptions};
+
+/// A new vertex: the midpoint of an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Midpoint {
+    /// The level that it is new in, from 1.
+    pub level: usize,
+    /// Ends of the edge, vertices of the mesh under construction.
+    pub ends: [u32; 2],
+    /// Where they are, object units.
+    pub positions: [[f32; 3]; 2],
+    /// The middle of the two, object units.
+    pub middle: [f32; 3],
+}
+
+/// A face that may be split.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Face {
+    /// Its level, 0 for base faces.
+    pub level: usize,
+    /// The triangle of the base mesh that it is a part of.
+    pub base_face: u32,
+    /// Its corners, object units.
+    pub corners: [[f32; 3]; 3],
+}
+
+/// Subdivides a base mesh. Attributes of new vertices are in the middle of their ends', until [`with_vertices`] replaces them.
+///
+/// ```
+/// use multires::mesh::shapes;
+/// use multires::wavelet::{WaveletBuilder, WaveletOptions};
+///
+/// // A sphere: midpoints go out to radius 1.
+/// let mut builder = WaveletBuilder::new(&shapes::icosphere(0))?;
+/// for _ in 0..4 {
+///     builder.subdivide(|midpoint| {
+///         let length = midpoint.middle.iter().map(|x| x * x).sum::<f32>().sqrt();
+///         midpoint.middle.map(|x| x / length)
+///     })?;
+/// }
+/// let sphere = builder.build(&WaveletOptions::default())?;
+/// assert_eq!(sphere.subdivision().leaf_count(), 20 * 256);
+/// # Ok::<(), multires::wavelet::WaveletError>(())
+/// ```
+///
+/// [`with_vertices`]: WaveletMesh::with_vertices
+#[derive(Debug)]
+pub struct WaveletBuilder {
+    builder: SubdivisionBuilder,
+    base: Mesh,
+    /// Of base vertices, then of wavelets.
+    positions: Vec<[f32; 3]>,
+}
+
+impl WaveletBuilder {
+    /// From a base mesh: any triangles. Seams of its attributes are kept.
+    ///
+    /// # Errors
+    /// Too many triangles, or too many along one edge.
+    pub fn new(base: &Mesh) -> Result<Self, WaveletError> {
+        let topology = Topology::new(base);
+        let corners = base.triangles().to_vec();
+        let points: Vec<[u32; 3]> =
+            corners.iter().map(|t| t.map(|v| topology.point_of()[v as usize])).collect();
+        // One vertex for each wedge, so that seams are where attributes differ.
+        let corners = corners.iter().map(|t| t.map(|v| topology.wedge_of()[v as usize])).collect();
+        let builder = SubdivisionBuilder::new(corners, base.positions().len(), &points, &[])?;
+        Ok(Self { builder, base: base.clone(), positions: base.positions().to_vec() })
+    }
+
+    /// Splits every face of the last level; `place` says where each new vertex goes.
+    ///
+    /// # Errors
+    /// Too many faces, or a place that is not finite.
+    pub fn subdivide(&mut self, place: impl FnMut(&Midpoint) -> [f32; 3]) -> Result<&mut Self, WaveletError> {
+        self.subdivide_where(|_| true, place)
+    }
+
+    /// Splits faces of the last level. Beside faces that are not split, new vertices cut these; there is no crack wherever
+    /// they are put. Across seams of attributes faces are split together.
+    ///
+    /// # Errors
+    /// Too many faces, or a place that is not finite.
+    pub fn subdivide_where(
+        &mut self,
+        mut split: impl FnMut(&Face) -> bool,
+        mut place: impl FnMut(&Midpoint) -> [f32; 3],
+    ) -> Result<&mut Self, WaveletError> {
+        let of = self.builder.subdivision();
+        let level = of.depth();
+        let at = |vertex: u32| self.positions[vertex as usize];
+        let faces = self.builder.last_level().map(|face| {
+            let corners = of.corners(face).map(at);
+            split(&Face { level, base_face: of.base_face_of(face), corners })
+        });
+        let faces = faces.collect();
+        let before = of.wavelet_count() as u32;
+        self.builder.split(faces)?;
+        let of = self.builder.subdivision();
+        for wavelet in before..of.wavelet_count() as u32 {
+            let vertex = of.vertex_of(wavelet);
+            let Some(ends) = of.ends(vertex) else { continue };
+            let positions = ends.map(|end| self.positions[end as usize]);
+            let middle = std::array::from_fn(|i| 0.5 * positions[0][i] + 0.5 * positions[1][i]);
+            let position = place(&Midpoint { level: level + 1, ends, positions, middle });
+            if !position.iter().all(|x| x.is_finite()) {
+                let vertex = vertex as usize;
+                return Err(crate::MeshError::NonFinitePosition { vertex, position }.into());
+            }
+            self.positions.push(position);
+        }
+        Ok(self)
+    }
+
+    /// The mesh.
+    ///
+    /// # Errors
+    /// Too many materials.
+    pub fn build(self, options: &WaveletOptions) -> Result<WaveletMesh, WaveletError> {
+        let Self { builder, base, mut positions } = self;
+        // Sides of a seam have vertices of their own: told apart by the vertices at their ends.
+        let subdivision = builder.finish(seam_key);
+        for double in &subdivision.doubles {
+            positions.push(positions[subdivision.vertex_of(double.0) as usize]);
+        }
+        let ends = (subdivision.base_vertices..subdivision.vertex_count() as u32)
+            .filter_map(|vertex| Some((vertex, subdivision.ends(vertex)?)));
+        // Ends of doubles may be doubles of coarser levels: in the order of levels, those come first.
+        let mut ends: Vec<(u32, [u32; 2])> = ends.collect();
+        ends.sort_by_key(|&(vertex, _)| subdivision.wavelet_of(vertex));
+        let order: Vec<u32> = (0..subdivision.vertex_count() as u32)
+            .map(|v| if v < subdivision.base_vertices { v } else { 0 })
+            .collect();
+        let vertices = match base.positions().is_empty() {
+            true => base.gather(&[], Vec::new(), Vec::new()),
+            false => base.gather(&order, Vec::new(), Vec::new()),
+        };
+        let vertices = vertices.with_midpoints(ends.iter().copied()).with_positions(positions);
+        WaveletMesh::assemble(subdivision, vertices, base.materials(), options)
+    }
+}
+
+/// Tells sides along an edge apart by the base vertices at the ends of the base edge that they are part of: inside base faces
+/// there is nothing to tell.
+fn seam_key(of: &super::Subdivision, face: u32, side: usize) -> [u32; 2] {
+    let (mut face, mut side) = (face, side);
+    loop {
+        match of.parent(face) {
+            None => break,
+            Some((parent, _, child)) => match (child, side) {
+                (3, _) | (_, 1) => return [0; 2],
+                (i, 0) => (face, side) = (parent, i),
+                (i, _) => (face, side) = (parent, (i + 2) % 3),
+            },
+        }
+    }
+    let [a, b] = [side, (side + 1) % 3].map(|corner| of.base[face as usize][corner]);
+    [a.min(b), a.max(b)]
+}

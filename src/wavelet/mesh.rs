@@ -1,0 +1,385 @@
+//! A mesh as base faces and wavelets, with its vertices: what is baked, shared by instances, edited and taken apart.
+
+use crate::adapt::Refinements;
+use crate::mesh::{Mesh, NONE, Topology};
+use crate::view::DeviationBounds;
+
+use super::bounds::{Packed, bounds};
+use super::build::SubdivisionBuilder;
+use super::quadrisection::Quadrisection;
+use super::recognise::{Component, recognise};
+use super::surface::Surface;
+use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
+
+/// Most different materials: a group's number is 16 bits.
+const MOST_MATERIALS: usize = 1 << 16;
+
+/// A mesh with subdivision connectivity: base faces, and a lazy wavelet for every vertex that subdivision added. Immutable but
+/// for [edits](Self::edit); made by recognising the connectivity of a mesh ([`WaveletMesh::recognise`]) or from a base mesh
+/// ([`WaveletBuilder`](super::WaveletBuilder)).
+///
+/// Vertices lie at their own places, not as coefficients, so the full resolution is what went in, bit for bit. Because the
+/// cut is closed (Azuma et al., section 3.4), every vertex of a wavelet that is in it lies at its own place; the coefficient
+/// is [one subtraction](Self::coefficient) away.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]
+pub struct WaveletMesh {
+    pub(super) subdivision: Subdivision,
+    /// Positions, attributes and locks of all vertices.
+    pub(super) vertices: Mesh,
+    /// Different material ids, ascending; empty where there are none.
+    pub(super) materials: Vec<u32>,
+    /// Per base face the place of its material there; empty where there are none.
+    pub(super) group_of: Vec<u16>,
+    pub(super) bounds: Vec<Packed>,
+    pub(super) options: WaveletOptions,
+    pub(super) diagonal: f64,
+}
+
+impl WaveletMesh {
+    /// The kind that this is baked as.
+    pub const KIND: &'static str = "wavelet";
+
+    /// A mesh that is a four-to-one subdivision of a coarser one, if not everywhere then in some of its components. The coarsest
+    /// such mesh is found; seams of attributes and borders of materials may only run along its edges. O(n x levels).
+    ///
+    /// # Errors
+    /// No component is such a subdivision: [`WaveletError::NoConnectivity`] says why. Or too many faces or materials.
+    pub fn recognise(mesh: &Mesh, options: &WaveletOptions) -> Result<Self, WaveletError> {
+        let found = recognise(mesh);
+        if found.quadrisection.levels() == 0 {
+            return Err(WaveletError::NoConnectivity { reason: refusal(&found.components) });
+        }
+        Self::of_quadrisection(mesh, &found.quadrisection, options)
+    }
+
+    fn of_quadrisection(
+        mesh: &Mesh,
+        found: &Quadrisection,
+        options: &WaveletOptions,
+    ) -> Result<Self, WaveletError> {
+        let topology = Topology::new(mesh);
+        let input = mesh.triangles().as_flattened();
+        let base_count = found.base_faces() as usize;
+        let (split, leaves) = (found.split(), found.leaves());
+
+        // Corners of all faces as corners of the input, from the finest to the coarsest.
+        let split_count = split.iter().filter(|split| **split).count();
+        let mut corners = vec![[NONE; 3]; split.len()];
+        let mut midpoints = vec![[NONE; 3]; split_count];
+        let mut rank = split_count;
+        for face in (0..split.len()).rev() {
+            corners[face] = if split[face] {
+                rank -= 1;
+                let children = &corners[base_count + 4 * rank..][..3];
+                midpoints[rank] = [0, 1, 2].map(|k| children[k][1]);
+                [0, 1, 2].map(|k| children[k][0])
+            } else {
+                let (triangle, turn) = (leaves[face] / 3, leaves[face] % 3);
+                [0, 1, 2].map(|k| 3 * triangle + (turn + k) % 3)
+            };
+        }
+        let wedge = |corner: u32| topology.wedge_of()[input[corner as usize] as usize];
+        let point = |corner: u32| topology.point_of()[input[corner as usize] as usize];
+
+        // Vertices of the base in the order of the faces.
+        let mut number = vec![NONE; mesh.positions().len()];
+        let mut order: Vec<u32> = Vec::new();
+        let base: Vec<[u32; 3]> = corners[..base_count]
+            .iter()
+            .map(|corners| {
+                corners.map(|corner| {
+                    let wedge = wedge(corner);
+                    let slot = &mut number[wedge as usize];
+                    if *slot == NONE {
+                        *slot = order.len() as u32;
+                        order.push(wedge);
+                    }
+                    *slot
+                })
+            })
+            .collect();
+        let points: Vec<[u32; 3]> = corners[..base_count].iter().map(|c| c.map(point)).collect();
+        let mut next = 0;
+        let base_midpoints: Vec<[u32; 3]> = (0..base_count)
+            .map(|face| {
+                if !split[face] {
+                    return [NONE; 3];
+                }
+                next += 1;
+                midpoints[next - 1].map(point)
+            })
+            .collect();
+        let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
+        loop {
+            let level = builder.last_level();
+            if !builder.split(split[level.start as usize..level.end as usize].to_vec())? {
+                break;
+            }
+        }
+        let mut rank_of = vec![NONE; split.len()];
+        let ranks = (0..split.len()).filter(|&face| split[face]).zip(0..);
+        ranks.for_each(|(face, rank)| rank_of[face] = rank);
+        let key = |face: u32, side: usize| wedge(midpoints[rank_of[face as usize] as usize][side]);
+        let subdivision = builder.finish(|_, face, side| key(face, side));
+        if subdivision.split_count as usize != split_count {
+            return Err(WaveletError::Invalid { what: "seams run beside the edges of the base", at: 0 });
+        }
+        for vertex in order.len() as u32..subdivision.vertex_count() as u32 {
+            let at = (vertex - subdivision.base_vertices) as usize;
+            let side = match subdivision.along.get(at) {
+                Some(along) => along[0],
+                None => subdivision.doubles[at - subdivision.along.len()].1,
+            };
+            order.push(key(side.face(), side.side()));
+        }
+        let material = |face: usize| {
+            let mut face = face;
+            while split[face] {
+                face = base_count + 4 * rank_of[face] as usize;
+            }
+            mesh.materials().get(leaves[face] as usize / 3).copied()
+        };
+        let materials: Vec<u32> = (0..base_count).filter_map(material).collect();
+        let vertices = mesh.gather(&order, Vec::new(), Vec::new());
+        Self::assemble(subdivision, vertices, &materials, options)
+    }
+
+    /// From parts that fit: `materials` are ids of the base faces, or none.
+    pub(super) fn assemble(
+        subdivision: Subdivision,
+        vertices: Mesh,
+        materials: &[u32],
+        options: &WaveletOptions,
+    ) -> Result<Self, WaveletError> {
+        let mut ids = materials.to_vec();
+        ids.sort_unstable();
+        ids.dedup();
+        if ids.len() > MOST_MATERIALS {
+            let (count, limit) = (ids.len(), MOST_MATERIALS);
+            return Err(WaveletError::TooMany { what: "materials", count, limit });
+        }
+        let group = |id: &u32| ids.binary_search(id).unwrap_or(0) as u16;
+        let group_of = materials.iter().map(group).collect();
+        let mut mesh = Self {
+            subdivision,
+            vertices,
+            materials: ids,
+            group_of,
+            bounds: Vec::new(),
+            options: *options,
+            diagonal: 0.0,
+        };
+        mesh.diagonal = mesh.find_diagonal();
+        mesh.bounds = bounds(&mesh);
+        Ok(mesh)
+    }
+
+    /// Of the box around all vertices, which faces all use.
+    pub(super) fn find_diagonal(&self) -> f64 {
+        let [low, high] = self.extent().unwrap_or_default();
+        (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The connectivity.
+    pub fn subdivision(&self) -> &Subdivision {
+        &self.subdivision
+    }
+
+    /// Positions, attributes and locks of all vertices at their own places, and the names of materials: what an instance takes its
+    /// values from. Base vertices first, then one vertex for each wavelet, then further ones on seams. Has no triangles.
+    pub fn vertices(&self) -> &Mesh {
+        &self.vertices
+    }
+
+    /// Different material ids, ascending: one group of triangles for each. Empty where there are none.
+    pub fn materials(&self) -> &[u32] {
+        &self.materials
+    }
+
+    /// How bounds were made.
+    pub fn options(&self) -> &WaveletOptions {
+        &self.options
+    }
+
+    /// Groups of triangles that instances draw: one a material, at least one.
+    pub fn groups(&self) -> usize {
+        self.materials.len().max(1)
+    }
+
+    pub(super) fn group(&self, base_face: u32) -> usize {
+        self.group_of.get(base_face as usize).copied().map_or(0, usize::from)
+    }
+
+    /// Smallest and largest corner of the box around all vertices; `None` without faces.
+    pub fn extent(&self) -> Option<[[f32; 3]; 2]> {
+        let first = *self.vertices.positions().first()?;
+        Some(self.vertices.positions().iter().fold([first; 2], |[low, high], p| {
+            [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
+        }))
+    }
+
+    /// Length of the diagonal of that box, object units.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// The coefficient of a vertex of a wavelet: from the middle of its ends to its own place, object units; `None` for base
+    /// vertices and out of range. (Azuma et al., equation 1.)
+    pub fn coefficient(&self, vertex: u32) -> Option<[f64; 3]> {
+        let positions = self.vertices.positions();
+        let [a, b] = self.subdivision.ends(vertex)?.map(|end| positions[end as usize].map(f64::from));
+        let own = positions[vertex as usize].map(f64::from);
+        Some(std::array::from_fn(|i| own[i] - 0.5 * (a[i] + b[i])))
+    }
+
+    /// The smallest set of wavelets that holds all that are asked for and is closed under parents, as one flag a wavelet. O(n).
+    pub fn closure(&self, asked: impl Fn(u32) -> bool) -> Vec<bool> {
+        let mut set: Vec<bool> = (0..self.subdivision.wavelet_count() as u32).map(asked).collect();
+        for wavelet in (0..set.len() as u32).rev() {
+            if set[wavelet as usize] {
+                self.subdivision.parents_of(wavelet).for_each(|parent| set[parent as usize] = true);
+            }
+        }
+        set
+    }
+
+    /// The full resolution.
+    pub fn finest(&self, normals: Normals) -> Mesh {
+        self.extract(|_| true, Triangulation::Exact, normals)
+    }
+
+    /// The mesh at a level: all wavelets up to it; the base mesh at level 0.
+    pub fn at_level(&self, level: usize, normals: Normals) -> Mesh {
+        let end = self.subdivision.wavelets_of(level).end;
+        let end = if level > self.subdivision.depth() { u32::MAX } else { end };
+        self.extract(|wavelet| wavelet < end, Triangulation::Exact, normals)
+    }
+
+    /// The mesh of all wavelets whose absence moves something by more than a tolerance, object units, wherever one looks from.
+    pub fn at_tolerance(&self, tolerance: f32, triangulation: Triangulation, normals: Normals) -> Mesh {
+        let far = |wavelet: u32| {
+            let bounds = &self.bounds[wavelet as usize];
+            bounds.along.max(bounds.across)
+        };
+        self.extract(|wavelet| far(wavelet) > tolerance, triangulation, normals)
+    }
+
+    /// The mesh of the smallest closed set that holds the wavelets asked for: vertices in use with their attributes and locks,
+    /// triangles with their materials, in the order of faces. Vertices that are only in the way of a split lie on the surface,
+    /// in the middle of their ends. O(n).
+    pub fn extract(
+        &self,
+        asked: impl Fn(u32) -> bool,
+        triangulation: Triangulation,
+        normals: Normals,
+    ) -> Mesh {
+        let of = &self.subdivision;
+        let set = self.closure(asked);
+        let mut surface = Surface::new(of, triangulation, self.groups());
+        let wavelets = (0..of.wavelet_count() as u32).filter(|&wavelet| set[wavelet as usize]);
+        wavelets.for_each(|wavelet| surface.change(of, wavelet, true));
+        surface.write(of, |vertex| vertex, |base_face| self.group(base_face));
+
+        let mut drawn: Vec<(u32, usize, [u32; 3])> = Vec::with_capacity(surface.triangle_count());
+        for group in 0..surface.groups() {
+            let triangles = surface.faces(group).zip(surface.triangles(group));
+            drawn.extend(triangles.map(|(face, &triangle)| (face, group, triangle)));
+        }
+        drawn.sort_by_key(|&(face, ..)| face);
+        let mut number = vec![NONE; of.vertex_count()];
+        drawn.iter().for_each(|(.., t)| t.iter().for_each(|&v| number[v as usize] = 0));
+        let used: Vec<u32> = (0..number.len() as u32).filter(|&v| number[v as usize] == 0).collect();
+        for (new, &old) in used.iter().enumerate() {
+            number[old as usize] = new as u32;
+        }
+        let materials = match self.materials.is_empty() {
+            true => Vec::new(),
+            false => drawn.iter().map(|&(_, group, _)| self.materials[group]).collect(),
+        };
+        let triangles = drawn.iter().map(|(.., t)| t.map(|v| number[v as usize])).collect();
+        let mesh = self.settle(&set, &number, self.vertices.gather(&used, triangles, materials), &used);
+        if normals == Normals::Recomputed { mesh.with_smooth_normals() } else { mesh }
+    }
+
+    /// Moves vertices that are not of the set to the middle of their ends.
+    fn settle(&self, set: &[bool], number: &[u32], mesh: Mesh, used: &[u32]) -> Mesh {
+        let of = &self.subdivision;
+        // In the order of levels, so that ends come first.
+        let mut between: Vec<(u32, u32)> = used
+            .iter()
+            .filter_map(|&vertex| Some((of.wavelet_of(vertex)?, vertex)))
+            .filter(|(wavelet, _)| !set[*wavelet as usize])
+            .collect();
+        if between.is_empty() {
+            return mesh;
+        }
+        between.sort_unstable();
+        let ends = between.iter().filter_map(|&(_, vertex)| {
+            let ends = of.ends(vertex)?.map(|end| number[end as usize]);
+            Some((number[vertex as usize], ends))
+        });
+        mesh.with_midpoints(ends)
+    }
+
+    /// Bytes of the structure and its vertices; instances not counted.
+    pub fn memory(&self) -> usize {
+        self.vertices.memory() + self.structure_memory()
+    }
+
+    /// Bytes of the structure alone: connectivity, bounds and materials.
+    pub fn structure_memory(&self) -> usize {
+        self.subdivision.memory() + size_of_val(&self.bounds[..]) + size_of_val(&self.group_of[..])
+    }
+
+    /// Bytes of the full resolution as a plain indexed mesh.
+    pub fn plain_memory(&self) -> usize {
+        let material = if self.materials.is_empty() { 0 } else { size_of::<u32>() };
+        self.vertices.memory() + (size_of::<[u32; 3]>() + material) * self.subdivision.leaf_count()
+    }
+}
+
+/// Of the largest component, which stands for all.
+fn refusal(components: &[Component]) -> String {
+    let Some(largest) = components.iter().rev().max_by_key(|component| component.triangles) else {
+        return "there are no triangles".to_owned();
+    };
+    match components.len() {
+        1 => largest.to_string(),
+        count => format!("the largest of {count} components has {largest}"),
+    }
+}
+
+impl Refinements for WaveletMesh {
+    type Bounds = DeviationBounds;
+
+    fn len(&self) -> usize {
+        self.bounds.len()
+    }
+
+    fn roots(&self) -> impl Iterator<Item = u32> {
+        self.subdivision.wavelets_of(1)
+    }
+
+    #[inline]
+    fn bounds(&self, wavelet: u32) -> DeviationBounds {
+        let centre = self.vertices.positions()[(self.subdivision.base_vertices + wavelet) as usize];
+        self.bounds[wavelet as usize].unpack(centre, self.options.shape)
+    }
+
+    #[inline]
+    fn parents(&self, wavelet: u32) -> impl Iterator<Item = u32> {
+        self.subdivision.parents_of(wavelet)
+    }
+
+    #[inline]
+    fn children(&self, wavelet: u32) -> impl Iterator<Item = u32> {
+        self.subdivision.spokes(wavelet).map(|spoke| spoke.0)
+    }
+
+    #[inline]
+    fn needs(&self, _: u32) -> impl Iterator<Item = u32> {
+        std::iter::empty()
+    }
+}

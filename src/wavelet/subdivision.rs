@@ -1,0 +1,449 @@
+//! Which face is split into which, which edges carry a wavelet, and who is whose parent.
+//!
+//! ```text
+//!                c2                     side k runs from corner k to corner k + 1, m_k is its midpoint
+//!                /\
+//!               /2 \                    child 0, 1, 2   the corner at c_i:  [c_i, m_i, m_(i+2)]
+//!            m2/____\m1                 child 3         the centre:         [m_0, m_1, m_2]
+//!             /\ 3  /\
+//!            /0 \  /1 \                 a wavelet sits on an edge of a split face: its vertex is the midpoint
+//!          c0/____\/____\c1
+//!                 m0
+//! ```
+//!
+//! Faces are numbered level by level, four children in a row; wavelets level by level, in the order of faces. So most of
+//! the dependency graph (Azuma et al., section 3.4) is arithmetic: stored are the wavelets on the sides of every split face, and the
+//! faces along every wavelet's edge.
+
+use crate::mesh::NONE;
+
+/// Most faces of all levels: a face, its side and a direction fit 31 bits.
+pub(super) const MOST_FACES: usize = 1 << 28;
+/// Most faces along one edge.
+pub(super) const MOST_ALONG: usize = 250;
+/// Marks a side whose midpoint is another vertex than the wavelet's own: it lies on a seam.
+const SEAM: u32 = 1 << 31;
+
+/// A side of a face, and whether it runs against the direction of the edge's wavelet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Side(pub(super) u32);
+
+impl Side {
+    pub const NONE: Self = Self(NONE);
+
+    pub fn new(face: u32, side: usize, against: bool) -> Self {
+        Self(face << 3 | (side as u32) << 1 | u32::from(against))
+    }
+
+    pub fn face(self) -> u32 {
+        self.0 >> 3
+    }
+
+    pub fn side(self) -> usize {
+        (self.0 >> 1 & 3) as usize
+    }
+
+    pub fn against(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
+/// The connectivity of a mesh made by splitting triangles in four: base faces, splits and wavelets. Base faces may form any
+/// complex: open, non-manifold, pinched, of several components; neighbours may be split to different depths.
+///
+/// Memory: 8 bytes a wavelet and 12 a split face where all are split alike; 4 a split face and 3 bits a face more where not.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Subdivision {
+    /// Vertices at the corners of every base face.
+    pub(super) base: Vec<[u32; 3]>,
+    /// Wavelets on the sides of every base face, or `NONE`.
+    pub(super) base_sides: Vec<[u32; 3]>,
+    /// Vertices of the base faces; more than points where the base has seams.
+    pub(super) base_vertices: u32,
+    /// Start of every level's faces, and their end.
+    pub(super) face_levels: Vec<u32>,
+    /// Start of every level's wavelets, and their end; those of the first level lie on base edges.
+    pub(super) levels: Vec<u32>,
+    /// Split faces in order; empty where they are the first faces.
+    pub(super) split_faces: Vec<u32>,
+    pub(super) split_count: u32,
+    /// One bit a face, and the number of split faces before each word; empty where the split faces are the first ones.
+    pub(super) split: Vec<u64>,
+    pub(super) before: Vec<u32>,
+    /// Wavelets on the sides of every split face.
+    pub(super) sides: Vec<[u32; 3]>,
+    /// Two faces along every wavelet's edge, the first of its own level; the second may be missing, or be a coarser face
+    /// that is not split and has the edge as a part of its side.
+    pub(super) along: Vec<[Side; 2]>,
+    /// Further faces: wavelet and side, ascending.
+    pub(super) more: Vec<(u32, Side)>,
+    /// Sides on seams (without direction) and the vertices at their midpoints, ascending.
+    pub(super) seams: Vec<(u32, u32)>,
+    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending.
+    pub(super) doubles: Vec<(u32, Side)>,
+}
+
+impl Subdivision {
+    /// Base faces.
+    pub fn base_face_count(&self) -> usize {
+        self.base.len()
+    }
+
+    /// Vertices at the corners of the base faces: the first ones.
+    pub fn base_vertex_count(&self) -> usize {
+        self.base_vertices as usize
+    }
+
+    /// Wavelets: edges with a vertex of their own.
+    pub fn wavelet_count(&self) -> usize {
+        self.along.len()
+    }
+
+    /// All vertices: those of the base, one for each wavelet, and the further ones of wavelets on seams.
+    pub fn vertex_count(&self) -> usize {
+        self.base_vertex_count() + self.along.len() + self.doubles.len()
+    }
+
+    /// Faces of all levels.
+    pub fn face_count(&self) -> usize {
+        self.face_levels.last().map_or(0, |&end| end as usize)
+    }
+
+    /// Faces that are not split: triangles at full resolution, but for cuts where neighbours are split deeper.
+    pub fn leaf_count(&self) -> usize {
+        self.face_count() - self.split_count as usize
+    }
+
+    /// The deepest level; 0 where nothing is split.
+    pub fn depth(&self) -> usize {
+        self.levels.len() - 1
+    }
+
+    /// Corners of a base face as vertices; `None` out of range.
+    pub fn base_face(&self, face: u32) -> Option<[u32; 3]> {
+        self.base.get(face as usize).copied()
+    }
+
+    /// The wavelets of a level, 1 to [`depth`](Self::depth), by number; empty for any other.
+    pub fn wavelets_of(&self, level: usize) -> std::ops::Range<u32> {
+        match level.checked_sub(1).and_then(|l| self.levels.get(l..l + 2)) {
+            Some(&[start, end]) => start..end,
+            _ => 0..0,
+        }
+    }
+
+    /// The faces of a level, 0 to [`depth`](Self::depth), by number; empty for any other.
+    pub fn faces_of(&self, level: usize) -> std::ops::Range<u32> {
+        match self.face_levels.get(level..level + 2) {
+            Some(&[start, end]) => start..end,
+            _ => 0..0,
+        }
+    }
+
+    /// The level of a wavelet, from 1.
+    pub fn level_of(&self, wavelet: u32) -> usize {
+        self.levels.partition_point(|&start| start <= wavelet)
+    }
+
+    /// The level of a face, from 0.
+    pub fn level_of_face(&self, face: u32) -> usize {
+        self.face_levels.partition_point(|&start| start <= face) - 1
+    }
+
+    /// Whether every base face is split equally deep, so that levels are whole meshes.
+    pub fn is_uniform(&self) -> bool {
+        self.split_count == *self.face_levels.iter().nth_back(1).unwrap_or(&0)
+    }
+
+    /// Whether a face is split.
+    #[inline]
+    pub fn is_split(&self, face: u32) -> bool {
+        if self.split.is_empty() {
+            face < self.split_count
+        } else {
+            self.split.get(face as usize / 64).is_some_and(|word| word >> (face % 64) & 1 == 1)
+        }
+    }
+
+    /// How many split faces come before a split face.
+    #[inline]
+    pub(super) fn rank(&self, face: u32) -> usize {
+        if self.split.is_empty() {
+            return face as usize;
+        }
+        let word = face as usize / 64;
+        let lower = self.split[word] & ((1 << (face % 64)) - 1);
+        (self.before[word] + lower.count_ones()) as usize
+    }
+
+    /// A child of a split face.
+    #[inline]
+    pub(super) fn child(&self, face: u32, child: usize) -> u32 {
+        (self.base.len() + 4 * self.rank(face) + child) as u32
+    }
+
+    /// The split face that a face is a child of, the number of that in its row, and the child's number; `None` for base faces.
+    #[inline]
+    pub(super) fn parent(&self, face: u32) -> Option<(u32, usize, usize)> {
+        let at = (face as usize).checked_sub(self.base.len())?;
+        let rank = at / 4;
+        let parent = if self.split_faces.is_empty() { rank as u32 } else { self.split_faces[rank] };
+        Some((parent, rank, at % 4))
+    }
+
+    /// The base face that a face is a part of. O(level).
+    pub fn base_face_of(&self, mut face: u32) -> u32 {
+        while let Some((parent, ..)) = self.parent(face) {
+            face = parent;
+        }
+        face
+    }
+
+    /// The vertex at a corner of a face. O(1) on average, O(level) at most.
+    #[inline]
+    pub(super) fn corner(&self, mut face: u32, mut corner: usize) -> u32 {
+        loop {
+            let Some((parent, rank, child)) = self.parent(face) else {
+                return self.base[face as usize][corner];
+            };
+            let side = match (child, corner) {
+                (3, corner) => corner,
+                (child, 0) => {
+                    (face, corner) = (parent, child);
+                    continue;
+                }
+                (child, 1) => child,
+                (child, _) => (child + 2) % 3,
+            };
+            return self.midpoint(parent, rank, side);
+        }
+    }
+
+    /// Vertices at the corners of a face.
+    #[inline]
+    pub(super) fn corners(&self, face: u32) -> [u32; 3] {
+        [0, 1, 2].map(|corner| self.corner(face, corner))
+    }
+
+    /// The vertex at the midpoint of a side of a split face with that rank.
+    #[inline]
+    fn midpoint(&self, face: u32, rank: usize, side: usize) -> u32 {
+        let wavelet = self.sides[rank][side];
+        if wavelet & SEAM == 0 { self.base_vertices + wavelet } else { self.seam_vertex(face, side) }
+    }
+
+    #[cold]
+    fn seam_vertex(&self, face: u32, side: usize) -> u32 {
+        let at = self.seams.binary_search_by_key(&(face << 2 | side as u32), |seam| seam.0);
+        at.map_or(0, |at| self.seams[at].1)
+    }
+
+    /// The vertex that a wavelet's midpoint is as seen from a side of a face along its edge.
+    #[inline]
+    pub(super) fn vertex_at(&self, wavelet: u32, face: u32, side: usize) -> u32 {
+        if !self.seams.is_empty() && self.is_split(face) {
+            return self.midpoint(face, self.rank(face), side);
+        }
+        self.base_vertices + wavelet
+    }
+
+    /// The wavelet on a side of a split face.
+    #[inline]
+    pub(super) fn side_of_split(&self, face: u32, side: usize) -> u32 {
+        self.sides[self.rank(face)][side] & !SEAM
+    }
+
+    /// Wavelets on the sides of a split face.
+    #[inline]
+    pub(super) fn sides_of_split(&self, face: u32) -> [u32; 3] {
+        self.sides[self.rank(face)].map(|wavelet| wavelet & !SEAM)
+    }
+
+    /// The same of any face, or none.
+    #[inline]
+    pub(super) fn sides_of_split_if(&self, face: u32, yes: bool) -> impl Iterator<Item = u32> + use<> {
+        let sides = if yes { self.sides_of_split(face) } else { [NONE; 3] };
+        sides.into_iter().filter(move |_| yes)
+    }
+
+    /// Notes that a side's midpoint is another vertex than its wavelet's own.
+    pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
+        let rank = self.rank(face);
+        self.sides[rank][side] |= SEAM;
+    }
+
+    /// The wavelet on an edge inside a split face, from `m_i` to `m_(i+1)`, or `NONE`.
+    #[inline]
+    fn inner(&self, face: u32, edge: usize) -> u32 {
+        let [centre, corner] = [3, (edge + 1) % 3].map(|child| self.child(face, child));
+        if self.is_split(centre) {
+            self.side_of_split(centre, edge)
+        } else if self.is_split(corner) {
+            self.side_of_split(corner, 1)
+        } else {
+            NONE
+        }
+    }
+
+    /// The wavelet on any side of a face, or `NONE`; and whether the side runs against its direction.
+    pub(super) fn side(&self, face: u32, side: usize) -> (u32, bool) {
+        let wavelet = self.side_wavelet(face, side);
+        if wavelet == NONE {
+            return (NONE, false);
+        }
+        let found = self.faces_along(wavelet).find(|s| s.face() == face && s.side() == side);
+        (wavelet, found.is_some_and(Side::against))
+    }
+
+    fn side_wavelet(&self, face: u32, side: usize) -> u32 {
+        if self.is_split(face) {
+            return self.side_of_split(face, side);
+        }
+        let Some((parent, _, child)) = self.parent(face) else {
+            return self.base_sides[face as usize][side];
+        };
+        match (child, side) {
+            (3, edge) => self.inner(parent, edge),
+            (corner, 1) => self.inner(parent, (corner + 2) % 3),
+            (corner, 0) => self.half_of_side(parent, corner, 0),
+            (corner, _) => self.half_of_side(parent, (corner + 2) % 3, 1),
+        }
+    }
+
+    /// The first or second half of a side of a split face.
+    fn half_of_side(&self, face: u32, side: usize, half: usize) -> u32 {
+        let (wavelet, against) = self.side(face, side);
+        self.halves(wavelet)[half ^ usize::from(against)]
+    }
+
+    /// All faces along a wavelet's edge, coarser ones that are not split among them.
+    #[inline]
+    pub(super) fn faces_along(&self, wavelet: u32) -> impl Iterator<Item = Side> + '_ {
+        let [a, b] = self.along[wavelet as usize];
+        let more = if self.more.is_empty() { &[][..] } else { self.more_along(wavelet) };
+        let two = if b == Side::NONE { 1 } else { 2 };
+        [a, b].into_iter().take(two).chain(more.iter().map(|more| more.1))
+    }
+
+    #[cold]
+    fn more_along(&self, wavelet: u32) -> &[(u32, Side)] {
+        let start = self.more.partition_point(|more| more.0 < wavelet);
+        let count = self.more[start..].partition_point(|more| more.0 == wavelet);
+        &self.more[start..start + count]
+    }
+
+    /// How many faces lie along a wavelet's edge: triangles that its vertex adds.
+    #[inline]
+    pub(super) fn width(&self, wavelet: u32) -> usize {
+        let two = if self.along[wavelet as usize][1] == Side::NONE { 1 } else { 2 };
+        if self.more.is_empty() { two } else { two + self.more_along(wavelet).len() }
+    }
+
+    /// The wavelets on the two halves of a wavelet's edge, in its direction; `NONE` where there is none.
+    pub(super) fn halves(&self, wavelet: u32) -> [u32; 2] {
+        let mut halves = [NONE; 2];
+        for along in self.faces_along(wavelet) {
+            let (face, side) = (along.face(), along.side());
+            if !self.is_split(face) {
+                continue;
+            }
+            for (half, child, side) in [(0, side, 0), (1, (side + 1) % 3, 2)] {
+                let child = self.child(face, child);
+                if self.is_split(child) {
+                    halves[half ^ usize::from(along.against())] = self.side_of_split(child, side);
+                }
+            }
+            if !halves.contains(&NONE) {
+                break;
+            }
+        }
+        halves
+    }
+
+    /// The wavelets on the edges of the next level that meet in a wavelet's vertex, and whether each starts there: its
+    /// children. Six inside a surface.
+    #[inline]
+    pub(super) fn spokes(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
+        let [first, second] = self.halves(wavelet);
+        let halves = [(first, false), (second, true)];
+        let inner = self.faces_along(wavelet).filter(|along| self.is_split(along.face())).flat_map(|along| {
+            let (face, side) = (along.face(), along.side());
+            // Edges inside run in the direction of the centre's sides.
+            [(self.inner(face, side), true), (self.inner(face, (side + 2) % 3), false)]
+        });
+        halves.into_iter().chain(inner).filter(|spoke| spoke.0 != NONE)
+    }
+
+    /// The wavelets that a wavelet is a child of: up to two.
+    #[inline]
+    pub(super) fn parents_of(&self, wavelet: u32) -> impl Iterator<Item = u32> + use<> {
+        let along = self.along[wavelet as usize][0];
+        let (mut first, mut second) = (NONE, NONE);
+        if let Some((_, rank, child)) = self.parent(along.face()) {
+            let side = |k: usize| self.sides[rank][k % 3] & !SEAM;
+            match (child, along.side()) {
+                (3, k) => (first, second) = (side(k), side(k + 1)),
+                (i, 0) => first = side(i),
+                (i, 1) => (first, second) = (side(i), side(i + 2)),
+                (i, _) => first = side(i + 2),
+            }
+        }
+        [first, second].into_iter().filter(|&parent| parent != NONE)
+    }
+
+    /// The vertices at the ends of the edge that a vertex is the midpoint of; `None` for vertices of the base and out of
+    /// range. O(1) on average.
+    pub fn ends(&self, vertex: u32) -> Option<[u32; 2]> {
+        let at = vertex.checked_sub(self.base_vertices)? as usize;
+        let along = match self.along.get(at) {
+            Some(along) => along[0],
+            None => self.doubles.get(at - self.along.len())?.1,
+        };
+        Some(self.side_ends(along))
+    }
+
+    /// The vertices at the ends of a side, in the direction of the edge.
+    #[inline]
+    pub(super) fn side_ends(&self, along: Side) -> [u32; 2] {
+        let [a, b] = [along.side(), (along.side() + 1) % 3].map(|corner| self.corner(along.face(), corner));
+        if along.against() { [b, a] } else { [a, b] }
+    }
+
+    /// The vertex of a wavelet; on a seam there are [others](Self::doubles_of) too.
+    pub fn vertex_of(&self, wavelet: u32) -> u32 {
+        self.base_vertices + wavelet
+    }
+
+    /// The wavelet that a vertex belongs to; `None` for vertices of the base and out of range.
+    pub fn wavelet_of(&self, vertex: u32) -> Option<u32> {
+        let at = vertex.checked_sub(self.base_vertices)?;
+        if (at as usize) < self.along.len() {
+            return Some(at);
+        }
+        self.doubles.get(at as usize - self.along.len()).map(|double| double.0)
+    }
+
+    /// Further vertices of a wavelet on a seam.
+    pub fn doubles_of(&self, wavelet: u32) -> std::ops::Range<u32> {
+        let first = self.base_vertices + self.along.len() as u32;
+        let start = self.doubles.partition_point(|double| double.0 < wavelet);
+        let count = self.doubles[start..].partition_point(|double| double.0 == wavelet);
+        first + start as u32..first + (start + count) as u32
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.base[..])
+            + size_of_val(&self.base_sides[..])
+            + size_of_val(&self.split_faces[..])
+            + size_of_val(&self.split[..])
+            + size_of_val(&self.before[..])
+            + size_of_val(&self.sides[..])
+            + size_of_val(&self.along[..])
+            + size_of_val(&self.more[..])
+            + size_of_val(&self.seams[..])
+            + size_of_val(&self.doubles[..])
+    }
+}

@@ -1,0 +1,330 @@
+//! The triangles of a set of wavelets: dense, and written anew only where something changed.
+//!
+//! ```text
+//!           /\                 a face that is drawn is cut wherever a vertex in use lies on its sides:
+//!          /  \                at the midpoint of a side, then each part the same way (Azuma et al., section 3.6).
+//!         /----.  <- in use    So there are no T-vertices, however deep the neighbours are split.
+//!        /   / |
+//!       /__/___|
+//! ```
+//!
+//! What is drawn of a face depends on nothing but what is split and which vertices are in use: the same set gives the same
+//! triangles, whatever came before; their order in the buffer may differ.
+
+use crate::adapt::{Dirty, DirtyRanges};
+use crate::mesh::NONE;
+
+use super::Triangulation;
+use super::subdivision::Subdivision;
+use super::tally::{Tally, Witness};
+
+/// A side of what is left of a face: the wavelet on it, and where that is.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    wavelet: u32,
+    against: bool,
+    /// The face and side that it is; `NONE` beyond the deepest split on this side, or inside the face.
+    face: u32,
+    side: usize,
+}
+
+impl Edge {
+    /// One that nothing lies on.
+    const BARE: Self = Self { wavelet: NONE, against: false, face: NONE, side: 0 };
+}
+
+/// A triangle in the buffer: whose it is, and the others of the same face.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    face: u32,
+    next: u32,
+    previous: u32,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Group {
+    triangles: Vec<[u32; 3]>,
+    links: Vec<Link>,
+    dirty: Dirty,
+}
+
+/// What changed since the triangles were last written.
+#[derive(Debug, Clone)]
+struct Changes {
+    faces: Vec<u32>,
+    face_is_in: Vec<bool>,
+    wavelets: Vec<u32>,
+    wavelet_is_in: Vec<bool>,
+}
+
+impl Changes {
+    fn face(&mut self, face: u32) {
+        if !std::mem::replace(&mut self.face_is_in[face as usize], true) {
+            self.faces.push(face);
+        }
+    }
+
+    fn wavelet(&mut self, wavelet: u32) {
+        if !std::mem::replace(&mut self.wavelet_is_in[wavelet as usize], true) {
+            self.wavelets.push(wavelet);
+        }
+    }
+}
+
+impl Witness for Changes {
+    fn used(&mut self, wavelet: u32) {
+        self.wavelet(wavelet);
+    }
+
+    fn turned(&mut self, face: u32) {
+        self.face(face);
+    }
+}
+
+/// The triangles of a set of wavelets closed under parents.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    tally: Tally,
+    /// Per face its first triangle, or `NONE`.
+    first: Vec<u32>,
+    /// One per material.
+    groups: Vec<Group>,
+    changes: Changes,
+    stack: Vec<([u32; 3], [Edge; 3])>,
+    cut: Vec<[u32; 3]>,
+}
+
+impl Surface {
+    /// The base mesh.
+    pub fn new(of: &Subdivision, triangulation: Triangulation, groups: usize) -> Self {
+        let mut surface = Self {
+            tally: Tally::new(of, triangulation),
+            first: vec![NONE; of.face_count()],
+            groups: vec![Group::default(); groups.max(1)],
+            changes: Changes {
+                faces: Vec::new(),
+                face_is_in: vec![false; of.face_count()],
+                wavelets: Vec::new(),
+                wavelet_is_in: vec![false; of.wavelet_count()],
+            },
+            stack: Vec::new(),
+            cut: Vec::new(),
+        };
+        (0..of.base_face_count() as u32).for_each(|face| surface.changes.face(face));
+        surface
+    }
+
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// Takes in that a wavelet comes into the set or goes; drawn with [`Surface::write`].
+    pub fn change(&mut self, of: &Subdivision, wavelet: u32, comes: bool) {
+        // Its vertex is elsewhere now even if it stays in use.
+        self.changes.wavelet(wavelet);
+        self.tally.change(of, wavelet, comes, &mut self.changes);
+    }
+
+    /// The wavelets whose vertices came into use or went since the last [`Surface::write`], or that came into the set or went;
+    /// and others too.
+    pub fn changed(&self) -> &[u32] {
+        &self.changes.wavelets
+    }
+
+    /// Draws what has changed. `vertex` renames vertices, `group` tells the group of a base face. O(what changed).
+    pub fn write(&mut self, of: &Subdivision, vertex: impl Fn(u32) -> u32, group: impl Fn(u32) -> usize) {
+        for at in 0..self.changes.faces.len() {
+            let face = self.changes.faces[at];
+            if of.is_split(face) {
+                (0..4).for_each(|child| self.changes.face(of.child(face, child)));
+            }
+        }
+        for at in 0..self.changes.wavelets.len() {
+            let wavelet = self.changes.wavelets[at];
+            self.changes.wavelet_is_in[wavelet as usize] = false;
+            for along in of.faces_along(wavelet) {
+                let mut face = along.face();
+                while !self.tally.is_there(of, face) {
+                    let Some((parent, ..)) = of.parent(face) else { break };
+                    face = parent;
+                }
+                if !self.tally.splits(of, face) {
+                    self.changes.face(face);
+                }
+            }
+        }
+        self.changes.wavelets.clear();
+        let alone = self.groups.len() == 1;
+        for at in 0..self.changes.faces.len() {
+            let face = self.changes.faces[at];
+            self.changes.face_is_in[face as usize] = false;
+            self.cut(of, face);
+            self.cut.iter_mut().for_each(|t| *t = t.map(&vertex));
+            self.replace(face, if alone { 0 } else { group(of.base_face_of(face)) });
+        }
+        self.changes.faces.clear();
+    }
+
+    /// Finds the triangles of a face.
+    fn cut(&mut self, of: &Subdivision, face: u32) {
+        let Self { tally, stack, cut, .. } = self;
+        cut.clear();
+        if !tally.is_there(of, face) || tally.splits(of, face) {
+            return;
+        }
+        let edge = |face: u32, side: usize| {
+            let (wavelet, against) = of.side(face, side);
+            Edge { wavelet, against, face, side }
+        };
+        let corners = of.corners(face);
+        match tally.cut_corner(of, face) {
+            None => stack.push((corners, [0, 1, 2].map(|side| edge(face, side)))),
+            Some(i) => {
+                // A quadrilateral from m_i to c_(i+1), c_(i+2), m_(i+2).
+                let [j, k] = [(i + 1) % 3, (i + 2) % 3];
+                let [near, far] = [i, k].map(|side| of.vertex_at(of.side_of_split(face, side), face, side));
+                let start = edge(of.child(face, j), 2);
+                let end = edge(of.child(face, k), 0);
+                let inside = edge(of.child(face, 3), k);
+                // The diagonal from m_i to c_(i+2).
+                stack.push(([near, corners[j], corners[k]], [start, edge(face, j), Edge::BARE]));
+                stack.push(([near, corners[k], far], [Edge::BARE, end, inside]));
+            }
+        }
+        while let Some((corners, edges)) = stack.pop() {
+            let used = |edge: &Edge| edge.wavelet != NONE && tally.is_used(edge.wavelet);
+            let Some(k) = edges.iter().position(used) else {
+                cut.push(corners);
+                continue;
+            };
+            let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+            let [edge, next, last] = [0, 1, 2].map(|i| edges[(k + i) % 3]);
+            let middle = match edge.face {
+                NONE => of.vertex_of(edge.wavelet),
+                face => of.vertex_at(edge.wavelet, face, edge.side),
+            };
+            let [first, second] = halves(of, &edge);
+            stack.push(([a, middle, c], [first, Edge::BARE, last]));
+            stack.push(([middle, b, c], [second, next, Edge::BARE]));
+        }
+    }
+
+    /// Writes the triangles found in place of those that a face had.
+    fn replace(&mut self, face: u32, group: usize) {
+        let Self { first, groups, cut, .. } = self;
+        let group = &mut groups[group];
+        let mut at = first[face as usize];
+        let mut last = NONE;
+        let mut kept = 0;
+        while at != NONE && kept < cut.len() {
+            if group.triangles[at as usize] != cut[kept] {
+                group.triangles[at as usize] = cut[kept];
+                group.dirty.mark(at);
+            }
+            kept += 1;
+            last = at;
+            at = group.links[at as usize].next;
+        }
+        while at != NONE {
+            // Its successor may be moved into its place.
+            let next = group.links[at as usize].next;
+            let moved = group.remove(at, first);
+            at = if next != NONE && moved == next { at } else { next };
+        }
+        for &triangle in &cut[kept..] {
+            let new = group.triangles.len() as u32;
+            group.triangles.push(triangle);
+            group.links.push(Link { face, next: NONE, previous: last });
+            group.dirty.mark(new);
+            match last {
+                NONE => first[face as usize] = new,
+                last => group.links[last as usize].next = new,
+            }
+            last = new;
+        }
+    }
+
+    pub fn groups(&self) -> usize {
+        self.groups.len()
+    }
+
+    pub fn triangles(&self, group: usize) -> &[[u32; 3]] {
+        self.groups.get(group).map_or(&[], |group| &group.triangles)
+    }
+
+    /// Per triangle of a group the face that it is a part of.
+    pub fn faces(&self, group: usize) -> impl Iterator<Item = u32> + '_ {
+        self.groups.get(group).into_iter().flat_map(|group| group.links.iter().map(|link| link.face))
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.groups.iter().map(|group| group.triangles.len()).sum()
+    }
+
+    pub fn dirty(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
+        let group = self.groups.get(group);
+        group.map_or_else(DirtyRanges::none, |group| group.dirty.ranges(group.triangles.len(), gap))
+    }
+
+    pub fn clean(&mut self) {
+        self.groups.iter_mut().for_each(|group| group.dirty.clear());
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        let groups = self.groups.iter().map(|group| {
+            size_of_val(&group.triangles[..]) + size_of_val(&group.links[..]) + group.dirty.memory()
+        });
+        self.tally.memory()
+            + size_of_val(&self.first[..])
+            + self.changes.face_is_in.len()
+            + self.changes.wavelet_is_in.len()
+            + groups.sum::<usize>()
+    }
+}
+
+impl Group {
+    /// Takes a triangle out; the last takes its place. Where that was.
+    fn remove(&mut self, at: u32, first: &mut [u32]) -> u32 {
+        let Link { face, next, previous } = self.links[at as usize];
+        match previous {
+            NONE => first[face as usize] = next,
+            previous => self.links[previous as usize].next = next,
+        }
+        if next != NONE {
+            self.links[next as usize].previous = previous;
+        }
+        let last = self.triangles.len() as u32 - 1;
+        self.triangles.swap_remove(at as usize);
+        self.links.swap_remove(at as usize);
+        if at == last {
+            return NONE;
+        }
+        self.dirty.mark(at);
+        let Link { face, next, previous } = self.links[at as usize];
+        match previous {
+            NONE => first[face as usize] = at,
+            previous => self.links[previous as usize].next = at,
+        }
+        if next != NONE {
+            self.links[next as usize].previous = at;
+        }
+        last
+    }
+}
+
+/// The two halves of a side, in its own direction.
+fn halves(of: &Subdivision, edge: &Edge) -> [Edge; 2] {
+    if edge.face != NONE && of.is_split(edge.face) {
+        return [(edge.side, 0), ((edge.side + 1) % 3, 2)].map(|(child, side)| {
+            let face = of.child(edge.face, child);
+            let (wavelet, against) = of.side(face, side);
+            Edge { wavelet, against, face, side }
+        });
+    }
+    let mut halves = of.halves(edge.wavelet);
+    if edge.against {
+        halves.reverse();
+    }
+    halves.map(|wavelet| Edge { wavelet, against: edge.against, face: NONE, side: 0 })
+}

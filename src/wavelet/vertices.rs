@@ -1,0 +1,308 @@
+//! Where the vertices of a set of wavelets are drawn.
+//!
+//! ```text
+//!     in the set        its own place, if all that it builds on is at its own; on its way (Azuma et al., equation 6)
+//!                       the middle of its ends + weight x coefficient
+//!     in use alone      the middle of its ends: on the surface, as if it were not there
+//! ```
+//!
+//! Ends are of coarser levels, so going through levels in order finds every vertex once its ends are found. Looked at are only
+//! those that came, went or move, and those whose ends did: a vertex is an end of one edge at each finer level in every
+//! direction (a *spoke* and its inner halves).
+
+use std::sync::Arc;
+
+use crate::adapt::{Blend, Dirty, DirtyRanges};
+use crate::mesh::NONE;
+
+use super::subdivision::Subdivision;
+use super::surface::Surface;
+
+/// In the set.
+const SET: u8 = 1;
+/// At its own place.
+const AT_REST: u8 = 2;
+const QUEUED: u8 = 4;
+
+/// A wavelet whose weight is on its way.
+#[derive(Debug, Clone, Copy)]
+struct Transition {
+    wavelet: u32,
+    from: f32,
+    to: f32,
+    /// Share of the way gone.
+    gone: f32,
+}
+
+/// Slots of the vertices in use. Those that get free are taken again, so there may be some that nothing names.
+#[derive(Debug, Clone, Default)]
+struct Slots {
+    slot_of: Vec<u32>,
+    vertices: Vec<u32>,
+    free: Vec<u32>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Vertices<V> {
+    /// Every vertex at its own place.
+    values: Arc<[V]>,
+    /// Per vertex, or per slot, what is drawn.
+    drawn: Vec<V>,
+    dirty: Dirty,
+    slots: Option<Slots>,
+    state: Vec<u8>,
+    /// Wavelets to look at, by level.
+    queue: Vec<Vec<u32>>,
+    transitions: Vec<Transition>,
+    /// Per wavelet its transition, or `NONE`; empty where there are none.
+    transition_of: Vec<u32>,
+}
+
+impl<V: Blend + Copy> Vertices<V> {
+    /// The base mesh.
+    pub fn new(of: &Subdivision, values: Arc<[V]>, packed: bool, moves: bool) -> Self {
+        let base = of.base_vertex_count();
+        let slots = packed.then(|| {
+            let mut slot_of = vec![NONE; of.vertex_count()];
+            (0..base).for_each(|v| slot_of[v] = v as u32);
+            Slots { slot_of, vertices: (0..base as u32).collect(), free: Vec::new() }
+        });
+        let drawn = if packed { values[..base].to_vec() } else { values.to_vec() };
+        let mut dirty = Dirty::default();
+        dirty.mark_all(drawn.len());
+        Self {
+            values,
+            drawn,
+            dirty,
+            slots,
+            state: vec![0; of.wavelet_count()],
+            queue: vec![Vec::new(); of.depth()],
+            transitions: Vec::new(),
+            transition_of: if moves { vec![NONE; of.wavelet_count()] } else { Vec::new() },
+        }
+    }
+
+    /// What indices call a vertex in use.
+    #[inline]
+    pub fn name(&self, vertex: u32) -> u32 {
+        self.slots.as_ref().map_or(vertex, |slots| slots.slot_of[vertex as usize])
+    }
+
+    /// Takes in that a wavelet came into the set or went.
+    pub fn set(&mut self, wavelet: u32, comes: bool) {
+        let state = &mut self.state[wavelet as usize];
+        *state = if comes { *state | SET } else { *state & !SET };
+    }
+
+    /// A wavelet's weight goes to 1 or to 0, from where it is or from 0 if it is `new`.
+    pub fn start(&mut self, wavelet: u32, to: f32, new: bool) {
+        let from = if new { 0.0 } else { self.weight(wavelet) };
+        let transition = Transition { wavelet, from, to, gone: 0.0 };
+        match self.transition_of[wavelet as usize] {
+            NONE => {
+                self.transition_of[wavelet as usize] = self.transitions.len() as u32;
+                self.transitions.push(transition);
+            }
+            at => self.transitions[at as usize] = transition,
+        }
+    }
+
+    /// A wavelet's weight is what it is to be at once.
+    pub fn end(&mut self, wavelet: u32) {
+        let Some(at) = self.transition_of.get_mut(wavelet as usize) else { return };
+        let at = std::mem::replace(at, NONE);
+        if at != NONE {
+            self.transitions.swap_remove(at as usize);
+            if let Some(moved) = self.transitions.get(at as usize) {
+                self.transition_of[moved.wavelet as usize] = at;
+            }
+        }
+    }
+
+    /// All transitions go on by a share of their way; those that have opened end.
+    pub fn advance(&mut self, of: &Subdivision, progress: f32) {
+        let mut at = 0;
+        while at < self.transitions.len() {
+            let transition = &mut self.transitions[at];
+            transition.gone = (transition.gone + progress).min(1.0);
+            let Transition { wavelet, to, gone, .. } = *transition;
+            self.enqueue(of, wavelet);
+            if gone >= 1.0 && to > 0.0 {
+                self.end(wavelet);
+            } else {
+                at += 1;
+            }
+        }
+    }
+
+    fn weight(&self, wavelet: u32) -> f32 {
+        let at = self.transition_of.get(wavelet as usize).copied().unwrap_or(NONE);
+        match self.transitions.get(at as usize) {
+            Some(t) if t.gone >= 1.0 => t.to,
+            Some(t) => t.from + (t.to - t.from) * t.gone,
+            None => f32::from(self.state[wavelet as usize] & SET != 0),
+        }
+    }
+
+    fn enqueue(&mut self, of: &Subdivision, wavelet: u32) {
+        let state = &mut self.state[wavelet as usize];
+        if *state & QUEUED == 0 {
+            *state |= QUEUED;
+            self.queue[of.level_of(wavelet) - 1].push(wavelet);
+        }
+    }
+
+    /// Brings all that changed to where it is drawn now. Before the surface is written.
+    pub fn update(&mut self, of: &Subdivision, surface: &Surface) {
+        for &wavelet in surface.changed() {
+            if surface.tally().is_used(wavelet) {
+                self.enqueue(of, wavelet);
+            } else {
+                self.state[wavelet as usize] &= !AT_REST;
+                self.release(of.vertex_of(wavelet));
+                of.doubles_of(wavelet).for_each(|vertex| self.release(vertex));
+            }
+        }
+        for level in 0..self.queue.len() {
+            let mut at = 0;
+            while let Some(&wavelet) = self.queue[level].get(at) {
+                at += 1;
+                self.state[wavelet as usize] &= !QUEUED;
+                if surface.tally().is_used(wavelet) && self.place(of, wavelet) {
+                    self.wake_dependents(of, surface, wavelet);
+                }
+            }
+            self.queue[level].clear();
+        }
+    }
+
+    /// Finds where a wavelet's vertices are; whether that is elsewhere than before.
+    fn place(&mut self, of: &Subdivision, wavelet: u32) -> bool {
+        let weight = self.weight(wavelet);
+        let was_at_rest = self.state[wavelet as usize] & AT_REST != 0;
+        let mut at_rest = weight == 1.0;
+        let own = of.vertex_of(wavelet);
+        for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
+            let Some(ends) = of.ends(vertex) else { continue };
+            at_rest &= ends.iter().all(|&end| self.is_at_rest(of, end));
+        }
+        for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
+            let Some(ends) = of.ends(vertex) else { continue };
+            let own = self.values[vertex as usize];
+            let value = if at_rest {
+                own
+            } else {
+                let [a, b] = ends.map(|end| self.drawn[self.name(end) as usize]);
+                let middle = a.blend(&b, 0.5);
+                if weight > 0.0 {
+                    let [a, b] = ends.map(|end| self.values[end as usize]);
+                    middle.moved(&a.blend(&b, 0.5), &own, weight)
+                } else {
+                    middle
+                }
+            };
+            self.draw(vertex, value, at_rest && was_at_rest);
+        }
+        let state = &mut self.state[wavelet as usize];
+        *state = if at_rest { *state | AT_REST } else { *state & !AT_REST };
+        !(at_rest && was_at_rest)
+    }
+
+    fn is_at_rest(&self, of: &Subdivision, vertex: u32) -> bool {
+        of.wavelet_of(vertex).is_none_or(|wavelet| self.state[wavelet as usize] & AT_REST != 0)
+    }
+
+    fn draw(&mut self, vertex: u32, value: V, is_there: bool) {
+        let slot = match &mut self.slots {
+            None => vertex,
+            Some(slots) => match slots.slot_of[vertex as usize] {
+                NONE => {
+                    let slot = slots.free.pop().unwrap_or(slots.vertices.len() as u32);
+                    slots.slot_of[vertex as usize] = slot;
+                    match slots.vertices.get_mut(slot as usize) {
+                        Some(there) => *there = vertex,
+                        None => {
+                            slots.vertices.push(vertex);
+                            self.drawn.push(value);
+                        }
+                    }
+                    slot
+                }
+                slot => slot,
+            },
+        };
+        if !is_there {
+            self.drawn[slot as usize] = value;
+            self.dirty.mark(slot);
+        }
+    }
+
+    fn release(&mut self, vertex: u32) {
+        if let Some(slots) = &mut self.slots {
+            let slot = std::mem::replace(&mut slots.slot_of[vertex as usize], NONE);
+            if slot != NONE {
+                slots.free.push(slot);
+            }
+        }
+    }
+
+    fn wake_dependents(&mut self, of: &Subdivision, surface: &Surface, wavelet: u32) {
+        for (spoke, starts) in of.spokes(wavelet) {
+            let mut spoke = spoke;
+            while spoke != NONE && surface.tally().is_used(spoke) {
+                self.enqueue(of, spoke);
+                spoke = of.halves(spoke)[usize::from(!starts)];
+            }
+        }
+    }
+
+    /// The values that are drawn.
+    pub fn drawn(&self) -> &[V] {
+        &self.drawn
+    }
+
+    /// Where a vertex is drawn, or its own place where it is not.
+    pub fn value(&self, surface: &Surface, of: &Subdivision, vertex: u32) -> V {
+        match of.wavelet_of(vertex) {
+            Some(wavelet) if !surface.tally().is_used(wavelet) => self.values[vertex as usize],
+            _ => self.drawn[self.name(vertex) as usize],
+        }
+    }
+
+    /// Whether a wavelet is in the set.
+    #[inline]
+    pub fn is_set(&self, wavelet: u32) -> bool {
+        self.state[wavelet as usize] & SET != 0
+    }
+
+    /// The vertex in every slot.
+    pub fn vertices(&self) -> Option<&[u32]> {
+        self.slots.as_ref().map(|slots| &slots.vertices[..])
+    }
+
+    /// Wavelets on their way.
+    pub fn moving(&self) -> usize {
+        self.transitions.len()
+    }
+
+    pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty.ranges(self.drawn.len(), gap)
+    }
+
+    pub fn clean(&mut self) {
+        self.dirty.clear();
+    }
+
+    /// Bytes of its arrays, the values at their own places not counted.
+    pub fn memory(&self) -> usize {
+        let slots = self.slots.as_ref().map_or(0, |slots| {
+            size_of_val(&slots.slot_of[..]) + size_of_val(&slots.vertices[..]) + size_of_val(&slots.free[..])
+        });
+        size_of_val(&self.drawn[..])
+            + self.dirty.memory()
+            + self.state.len()
+            + size_of_val(&self.transition_of[..])
+            + size_of_val(&self.transitions[..])
+            + slots
+    }
+}
