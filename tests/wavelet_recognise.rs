@@ -4,7 +4,7 @@
 mod subdivide;
 
 use multires::mesh::{Attribute, Mesh, names, shapes};
-use multires::wavelet::{Recognition, Stop, recognise};
+use multires::wavelet::{Recognition, Stop, recognise, recognise_across_seams};
 use proptest::prelude::*;
 use subdivide::check::check;
 use subdivide::*;
@@ -486,6 +486,11 @@ mod models {
         assert!(matches!(stop(&boat), Stop::Seam { .. }));
         let bare = Mesh::new(boat.positions(), boat.triangles()).unwrap();
         assert_eq!(found(&bare), [(2, 2_026)]);
+        let across = recognise_across_seams(&boat);
+        assert_eq!(
+            across.components.iter().map(|c| (c.levels, c.base_faces)).collect::<Vec<_>>(),
+            [(2, 2_026)]
+        );
     }
 
     /// Where the coarser mesh is there too, its triangles are those of the level.

@@ -196,6 +196,10 @@ impl<'a> Grounds<'a> {
         if axis.is_none() {
             bounds.across = bounds.along;
         }
+        if of.torn.binary_search(&wavelet).is_ok() {
+            // Without it attributes are smeared across a seam, which has no measure.
+            (bounds.along, bounds.across) = (f32::MAX, f32::MAX);
+        }
         for (child, _) in of.spokes(wavelet) {
             bounds.hold_errors_of(&child_bounds(child).unpack(centre, shape));
         }

@@ -246,39 +246,69 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
-    /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart: sides along one edge with the
-    /// same key share one.
-    pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize) -> K) -> Subdivision {
+    /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
+    /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
+    pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
         let mut done = self.done;
         done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
         let first = (done.base_vertices as usize + done.along.len()) as u32;
+        let mut known: Vec<(K, u32)> = Vec::new();
         for wavelet in 0..done.along.len() as u32 {
-            let own = done.vertex_of(wavelet);
+            known.clear();
             let sides: Vec<Side> = done.faces_along(wavelet).filter(|s| done.is_split(s.face())).collect();
-            let of = |side: &Side| key(&done, side.face(), side.side());
-            if sides.iter().all(|side| of(side) == of(&sides[0])) {
-                continue;
-            }
-            let keys: Vec<K> = sides.iter().map(of).collect();
-            let mut vertices: Vec<u32> = vec![own; sides.len()];
-            for at in 1..sides.len() {
-                let side = sides[at];
-                if keys[at] == keys[0] {
-                    continue;
-                }
-                vertices[at] = match (1..at).find(|&earlier| keys[earlier] == keys[at]) {
-                    Some(earlier) => vertices[earlier],
-                    None => {
-                        done.doubles.push((wavelet, side));
-                        first + done.doubles.len() as u32 - 1
+            let mut torn = false;
+            for along in sides {
+                let (face, side) = (along.face(), along.side());
+                let vertices = Part::ALL.map(|part| {
+                    let key = key(&done, face, side, part);
+                    let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
+                        let own = if known.is_empty() {
+                            done.vertex_of(wavelet)
+                        } else {
+                            done.doubles.push((wavelet, along));
+                            first + done.doubles.len() as u32 - 1
+                        };
+                        known.push((key, own));
+                        known.len() - 1
+                    });
+                    known[at].1
+                });
+                torn |= vertices.iter().any(|&vertex| vertex != vertices[0]);
+                for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
+                    if vertex != done.vertex_of(wavelet) {
+                        let (child, corner) = part.corner(side);
+                        done.seams.push((done.child(face, child) << 2 | corner as u32, vertex));
+                        done.mark_seam(face, side);
                     }
-                };
-                done.seams.push((side.face() << 2 | side.side() as u32, vertices[at]));
-                done.mark_seam(side.face(), side.side());
+                }
+            }
+            if torn {
+                done.torn.push(wavelet);
             }
         }
         done.seams.sort_unstable();
         done
+    }
+}
+
+/// Children of a split face that meet at the midpoint of a side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    First,
+    Second,
+    Centre,
+}
+
+impl Part {
+    pub const ALL: [Self; 3] = [Self::First, Self::Second, Self::Centre];
+
+    /// The child, and its corner at the midpoint of that side.
+    pub fn corner(self, side: usize) -> (usize, usize) {
+        match self {
+            Self::First => (side, 1),
+            Self::Second => ((side + 1) % 3, 2),
+            Self::Centre => (3, side),
+        }
     }
 }
 

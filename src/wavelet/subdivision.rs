@@ -21,7 +21,7 @@ use crate::mesh::NONE;
 pub(super) const MOST_FACES: usize = 1 << 28;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
-/// Marks a side whose midpoint is another vertex than the wavelet's own: it lies on a seam.
+/// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
 const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
@@ -79,8 +79,11 @@ pub struct Subdivision {
     pub(super) along: Vec<[Side; 2]>,
     /// Further faces: wavelet and side, ascending.
     pub(super) more: Vec<(u32, Side)>,
-    /// Sides on seams (without direction) and the vertices at their midpoints, ascending.
+    /// Corners of children (`4 * face + corner`) at midpoints on seams and the vertices there, where these are not the
+    /// wavelets' own; ascending.
     pub(super) seams: Vec<(u32, u32)>,
+    /// Wavelets at whose midpoints children of one face have several vertices: a seam runs inside it. Ascending.
+    pub(super) torn: Vec<u32>,
     /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending.
     pub(super) doubles: Vec<(u32, Side)>,
 }
@@ -217,7 +220,9 @@ impl Subdivision {
                 (child, 1) => child,
                 (child, _) => (child + 2) % 3,
             };
-            return self.midpoint(parent, rank, side);
+            let wavelet = self.sides[rank][side];
+            let own = self.base_vertices + (wavelet & !SEAM);
+            return if wavelet & SEAM == 0 { own } else { self.seam_vertex(face, corner).unwrap_or(own) };
         }
     }
 
@@ -227,26 +232,21 @@ impl Subdivision {
         [0, 1, 2].map(|corner| self.corner(face, corner))
     }
 
-    /// The vertex at the midpoint of a side of a split face with that rank.
-    #[inline]
-    fn midpoint(&self, face: u32, rank: usize, side: usize) -> u32 {
-        let wavelet = self.sides[rank][side];
-        if wavelet & SEAM == 0 { self.base_vertices + wavelet } else { self.seam_vertex(face, side) }
-    }
-
     #[cold]
-    fn seam_vertex(&self, face: u32, side: usize) -> u32 {
-        let at = self.seams.binary_search_by_key(&(face << 2 | side as u32), |seam| seam.0);
-        at.map_or(0, |at| self.seams[at].1)
+    fn seam_vertex(&self, face: u32, corner: usize) -> Option<u32> {
+        let at = self.seams.binary_search_by_key(&(face << 2 | corner as u32), |seam| seam.0);
+        at.ok().map(|at| self.seams[at].1)
     }
 
-    /// The vertex that a wavelet's midpoint is as seen from a side of a face along its edge.
+    /// The vertices that a wavelet's midpoint is on a side of a face along its edge, as seen from its first half and from its
+    /// second: one, but where a seam runs inside the face.
     #[inline]
-    pub(super) fn vertex_at(&self, wavelet: u32, face: u32, side: usize) -> u32 {
+    pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
         if !self.seams.is_empty() && self.is_split(face) {
-            return self.midpoint(face, self.rank(face), side);
+            return [(side, 1), ((side + 1) % 3, 2)]
+                .map(|(child, k)| self.corner(self.child(face, child), k));
         }
-        self.base_vertices + wavelet
+        [self.base_vertices + wavelet; 2]
     }
 
     /// The wavelet on a side of a split face.
@@ -268,7 +268,7 @@ impl Subdivision {
         sides.into_iter().filter(move |_| yes)
     }
 
-    /// Notes that a side's midpoint is another vertex than its wavelet's own.
+    /// Notes that a side's midpoint is not the wavelet's own vertex for all children.
     pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
@@ -444,6 +444,7 @@ impl Subdivision {
             + size_of_val(&self.along[..])
             + size_of_val(&self.more[..])
             + size_of_val(&self.seams[..])
+            + size_of_val(&self.torn[..])
             + size_of_val(&self.doubles[..])
     }
 }

@@ -131,7 +131,7 @@ impl Group {
                 return Err(Stop::Material { triangle: triangle_of(child) });
             }
         }
-        for k in 0..3 {
+        for k in 0..if surface.across_seams { 0 } else { 3 } {
             let midpoint = self.corner(complex, 3, k as u32);
             let before = self.corner(complex, k, 1);
             let after = self.corner(complex, (k + 1) % 3, 2);
