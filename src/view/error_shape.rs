@@ -28,11 +28,11 @@ pub enum ErrorShape {
 }
 
 impl ErrorShape {
-    /// Half-lengths along the axis and across it of the smallest shape that holds all vectors, of those with the ratio
-    /// `max |e.n| : max |e x n|`. `vectors` are pairs `|e.n|`, `|e x n|` for axis `n`. 0 where there are none; what is not a
+    /// Half-lengths along the axis and across it of a small shape that holds all vectors: a sphere with cones has the ratio
+    /// `max |e.n| : max |e x n|`, a spheroid that or a lesser power of it, whichever looks smallest on the mean over all directions. `vectors` are pairs `|e.n|`, `|e x n|` for axis `n`. 0 where there are none; what is not a
     /// number counts as the largest one. Rounded up.
     ///
-    /// A sphere with cones is a ball where that ratio is 1 or less.
+    /// Both are a ball where that ratio is 1 or less: an oblate spheroid looks as large as the ball about it from everywhere.
     ///
     /// Source: Azuma et al. 2003 (View-dependent refinement of multiresolution meshes with subdivision connectivity), Eq. 3, for
     /// the ratio.
@@ -45,13 +45,23 @@ impl ErrorShape {
         }
         let [along, across] = match self {
             Self::Spheroid if high <= 0.0 => [0.0, wide],
-            Self::Spheroid => {
-                let across = vectors.map(|(h, t)| (h * (wide / high)).hypot(t)).fold(0.0, f64::max);
-                [across * (high / wide), across]
-            }
-            Self::SphereAndCones if high <= wide => {
-                let radius = vectors.map(|(h, t)| h.hypot(t)).fold(0.0, f64::max);
+            _ if high <= wide => {
+                let radius = longest(vectors);
                 [radius, radius]
+            }
+            Self::Spheroid => {
+                let ratios = RATIO_POWERS.map(|power| (high / wide).powf(power));
+                let mut squares = [0.0_f64; RATIO_POWERS.len()];
+                for (h, t) in vectors {
+                    for (square, ratio) in squares.iter_mut().zip(ratios) {
+                        *square = square.max((h / ratio) * (h / ratio) + t * t);
+                    }
+                }
+                // Mean squares of their sizes: from all directions alike, the mean squared sine is 2/3.
+                let looks = |at: usize| squares[at] * (1.0 + (ratios[at] * ratios[at] - 1.0) * (2.0 / 3.0));
+                let best = (0..ratios.len()).min_by(|&a, &b| looks(a).total_cmp(&looks(b))).unwrap_or(0);
+                let across = squares[best].sqrt() * (1.0 + 1e-15);
+                [across * ratios[best], across]
             }
             Self::SphereAndCones => {
                 // The flanks' normal, which leads to where they touch.
@@ -63,6 +73,14 @@ impl ErrorShape {
         [round_up(along), round_up(across)]
     }
 }
+
+fn longest(vectors: impl Iterator<Item = (f64, f64)>) -> f64 {
+    vectors.map(|(h, t)| h.hypot(t)).fold(0.0, f64::max)
+}
+
+/// Powers of the ratio of Eq. 3 that a spheroid may have. Of a single vector far along the axis, the spheroid that looks smallest
+/// has about its root; Eq. 3's is 1.4 times as long as the vector.
+const RATIO_POWERS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
 /// A length as it counts.
 fn number(length: f64) -> f64 {
