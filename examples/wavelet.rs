@@ -52,7 +52,7 @@ use multires::io;
 use multires::mesh::shapes;
 use multires::wavelet::{Normals, WaveletMesh};
 use painted::{Paint, Painted};
-use plates::{COMPARED, Plates};
+use plates::{COMPARED, Difference, Plates};
 use race::{Build, Frame, Racer, Way};
 use say::{grouped, name_file};
 
@@ -121,8 +121,8 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     fly(&sphere, arguments, says)?;
     let found = sphere::distances(says)?;
     let folder = arguments.out.join(sphere.name);
-    let picture = folder.join("as-in-the-paper.png");
-    png::save(found, 5, &picture).map_err(|error| name_file(&picture, &*error))?;
+    let picture = folder.join("outside.png");
+    png::save(found, 6, &picture).map_err(|error| name_file(&picture, &*error))?;
     writeln!(says, "{}\n", picture.display())?;
 
     let ground = shapes::terrain(TERRAIN, 3);
@@ -182,23 +182,30 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
 
     let painted = Painted::new(&mesh, model.paint)?;
     let plates = Plates { mesh: &mesh, painted: &painted, pixels: model.pixels };
-    let compared: Result<Vec<_>, _> =
-        poses.iter().step_by(COMPARE_EVERY).map(|pose| plates.difference(pose)).collect();
-    let compared = compared?;
-    let worst = |k: usize| compared.iter().map(|d| d[k]).fold(0.0, f64::max);
-    let mean = |k: usize| compared.iter().map(|d| d[k]).sum::<f64>() / compared.len().max(1) as f64;
     writeln!(
         says,
-        "difference from the full mesh at 1 px, {} x {}, levels of 255, mean (worst) of {} frames: textured {:.3} ({:.3}), \
-         flat shaded {:.3} ({:.3})",
-        COMPARED[0],
-        COMPARED[1],
-        compared.len(),
-        mean(0),
-        worst(0),
-        mean(1),
-        worst(1)
+        "\ndifference from the full mesh, {} x {}, levels of 255, mean (worst) of every {COMPARE_EVERY}th frame",
+        COMPARED[0], COMPARED[1]
     )?;
+    for pixels in [[1.0, 1.0], [1.0, 0.25]] {
+        let compared: Result<Vec<_>, _> =
+            poses.iter().step_by(COMPARE_EVERY).map(|pose| plates.difference(pose, pixels)).collect();
+        let compared = compared?;
+        let both = |of: fn(&Difference) -> f64| {
+            let worst = compared.iter().map(of).fold(0.0, f64::max);
+            let mean = compared.iter().map(of).sum::<f64>() / compared.len().max(1) as f64;
+            format!("{mean:.3} ({worst:.3})")
+        };
+        writeln!(
+            says,
+            "{} px, silhouette {} px: textured {}, of pixels that show both {}; flat shaded {}",
+            pixels[0],
+            pixels[1],
+            both(|d| d.textured),
+            both(|d| d.inside),
+            both(|d| d.flat)
+        )?;
+    }
     if let Some(pose) = poses.get(PICTURED.min(poses.len().saturating_sub(1))) {
         let pictures = [
             ("beside.png", plates.beside(pose)?),
@@ -207,7 +214,7 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
         ];
         for (name, picture) in pictures {
             let file = out.join(name);
-            png::save(picture, 5, &file).map_err(|error| name_file(&file, &*error))?;
+            png::save(picture, 6, &file).map_err(|error| name_file(&file, &*error))?;
         }
     }
     Ok(writeln!(says, "{}\n", out.display())?)

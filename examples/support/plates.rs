@@ -17,7 +17,7 @@ use super::sheet::{Cell, SIZE, sheet};
 
 /// Pixels of the pictures that are compared.
 pub const COMPARED: [usize; 2] = [960, 540];
-const WHITE: [u8; 3] = [255; 3];
+const PAPER: [u8; 3] = [255; 3];
 const GREY: [u8; 3] = [176, 186, 200];
 
 /// What is pictured: a mesh, what is painted on it, and how large errors may look inside and on the silhouette, pixels.
@@ -27,11 +27,13 @@ pub struct Plates<'a> {
     pub pixels: [f32; 2],
 }
 
+/// Compared pictures have one ray a pixel, so that each shows the mesh or does not.
 fn options(size: [usize; 2]) -> RenderOptions {
     RenderOptions::default()
         .with_size(size[0], size[1])
-        .with_background(WHITE, WHITE)
+        .with_background(PAPER, PAPER)
         .with_occlusion_rays(0)
+        .with_supersampling(size == SIZE)
         .with_colours(Colours::Uniform(GREY))
 }
 
@@ -132,23 +134,36 @@ impl Plates<'_> {
         Ok(sheet(&rows, &[]))
     }
 
-    /// How different the adapted mesh looks from the full one at one pixel of error, in levels of 255: textured and flat shaded.
-    /// Mean over channels and over the pixels that show either (K_L1 of Southern, section 4.2.2, from the same eye).
-    pub fn difference(&self, pose: &Pose) -> Result<[f64; 2], Box<dyn Error>> {
-        let lod = self.adapted(pose, COMPARED, [1.0, 1.0])?;
+    /// How different the adapted mesh looks from the full one where errors may look that large inside and on silhouettes.
+    pub fn difference(&self, pose: &Pose, pixels: [f32; 2]) -> Result<Difference, Box<dyn Error>> {
+        let lod = self.adapted(pose, COMPARED, pixels)?;
         let textured =
             [self.textured(|_| true, pose, COMPARED)?, self.textured(|w| lod.shows(w), pose, COMPARED)?];
         let flat = [
             self.flat(&self.mesh.finest(Normals::Kept), pose, COMPARED)?,
             self.flat(&lod.to_mesh(Normals::Kept), pose, COMPARED)?,
         ];
-        Ok([mean_difference(&textured), mean_difference(&flat)])
+        Ok(Difference {
+            textured: mean_difference(&textured, |shown| shown != [false; 2]),
+            inside: mean_difference(&textured, |shown| shown == [true; 2]),
+            flat: mean_difference(&flat, |shown| shown != [false; 2]),
+        })
     }
 }
 
-fn mean_difference([a, b]: &[Vec<[u8; 3]>; 2]) -> f64 {
+/// In levels of 255, mean over channels and pixels, from the same eye.
+pub struct Difference {
+    /// Textured, over the pixels that show either (K_L1 of Southern, section 4.2.2).
+    pub textured: f64,
+    /// The same over the pixels that show both.
+    pub inside: f64,
+    /// Flat shaded, over the pixels that show either.
+    pub flat: f64,
+}
+
+fn mean_difference([a, b]: &[Vec<[u8; 3]>; 2], counts: impl Fn([bool; 2]) -> bool) -> f64 {
     let (mut sum, mut count) = (0_u64, 0_u64);
-    for (p, q) in a.iter().zip(b).filter(|(p, q)| [**p, **q] != [WHITE; 2]) {
+    for (p, q) in a.iter().zip(b).filter(|(p, q)| counts([**p, **q].map(|pixel| pixel != PAPER))) {
         sum += (0..3).map(|k| u64::from(p[k].abs_diff(q[k]))).sum::<u64>();
         count += 3;
     }

@@ -22,6 +22,8 @@ pub const PIXELS: [f32; 2] = [3.5, 0.5];
 /// Triangles that the paper has left there.
 const THEIRS: usize = 732;
 const LEVELS: usize = 5;
+/// From so many radii the sphere fills the picture from top to foot.
+const FILLING: f64 = 2.0;
 
 /// Midpoints go out to radius 1.
 pub fn build(options: &WaveletOptions) -> Result<WaveletMesh, WaveletError> {
@@ -77,15 +79,11 @@ pub fn distances(says: &mut impl Write) -> Result<RgbImage, Box<dyn Error>> {
     }
     // Every thousandth of a radius from near to far: where each has as many as the paper.
     let mut found: Vec<Vec<f64>> = vec![Vec::new(); ways.len()];
-    let mut nearest = (usize::MAX, 2.0);
     for step in 1_100..8_000 {
         let distance = f64::from(step) / 1000.0;
         for (way, count) in count(distance)?.into_iter().enumerate() {
             if count == THEIRS {
                 found[way].push(distance);
-            }
-            if way == 0 && count.abs_diff(THEIRS) < nearest.0 {
-                nearest = (count.abs_diff(THEIRS), distance);
             }
         }
     }
@@ -97,7 +95,11 @@ pub fn distances(says: &mut impl Write) -> Result<RgbImage, Box<dyn Error>> {
         };
         writeln!(says, "{THEIRS} triangles, {triangulation:?}, {bound:?}: {place}")?;
     }
+    // Where the sphere about fills the picture's height.
+    let filling = |a: &&f64, b: &&f64| (**a - FILLING).abs().total_cmp(&(**b - FILLING).abs());
+    let pictured = found[0].iter().min_by(filling).copied().unwrap_or(FILLING);
+    writeln!(says, "pictured from {pictured} radii")?;
     let mesh = Arc::new(build(&WaveletOptions::default())?);
     let painted = Painted::new(&mesh, painted::marble)?;
-    Plates { mesh: &mesh, painted: &painted, pixels: PIXELS }.outside(&pose(nearest.1))
+    Plates { mesh: &mesh, painted: &painted, pixels: PIXELS }.outside(&pose(pictured))
 }
