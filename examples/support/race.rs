@@ -111,17 +111,14 @@ pub fn race(
     Ok(())
 }
 
-/// Microseconds to project all triangles of the full resolution from each pose, the least of so many rounds.
-pub fn project_full(mesh: &Mesh, poses: &[Pose], rounds: usize) -> Vec<f64> {
+/// Microseconds to project all triangles of the full resolution, which takes as long from everywhere: the least of some poses.
+pub fn project_full(mesh: &Mesh, poses: &[Pose]) -> f64 {
     let time = |pose: &Pose| {
-        let once = |_| {
-            let start = Instant::now();
-            black_box(project(mesh.positions(), [mesh.triangles()].into_iter(), pose));
-            start.elapsed().as_secs_f64() * 1e6
-        };
-        (0..rounds).map(once).fold(f64::INFINITY, f64::min)
+        let start = Instant::now();
+        black_box(project(mesh.positions(), [mesh.triangles()].into_iter(), pose));
+        start.elapsed().as_secs_f64() * 1e6
     };
-    poses.iter().map(time).collect()
+    poses.iter().step_by(20).map(time).fold(f64::INFINITY, f64::min)
 }
 
 impl Way {
