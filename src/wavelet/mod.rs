@@ -16,6 +16,7 @@
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
+//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
 mod bounds;
@@ -30,6 +31,7 @@ mod recognise;
 mod subdivision;
 mod surface;
 mod tally;
+mod transform;
 #[cfg(feature = "serde")]
 mod validate;
 mod vertices;
@@ -42,3 +44,4 @@ pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise};
 pub use subdivision::Subdivision;
+pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};

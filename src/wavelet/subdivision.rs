@@ -118,7 +118,7 @@ impl Subdivision {
 
     /// The deepest level; 0 where nothing is split.
     pub fn depth(&self) -> usize {
-        self.levels.len() - 1
+        self.levels.len().saturating_sub(1)
     }
 
     /// Corners of a base face as vertices; `None` out of range.
