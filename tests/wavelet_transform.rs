@@ -5,8 +5,6 @@
 #[path = "support/wavelet.rs"]
 mod support;
 
-use std::path::PathBuf;
-
 use multires::mesh::{Mesh, names, shapes};
 use multires::wavelet::{
     Coefficients, Wavelet, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions, WaveletTransform,
@@ -72,15 +70,6 @@ fn hat(lazy: &WaveletTransform, node: usize, level: usize) -> Vec<f32> {
     lazy.analyse(&values, 1).unwrap().to_level(level).synthesise()
 }
 
-fn models() -> Option<PathBuf> {
-    let path = std::env::var_os("MULTIRES_MODELS").map_or("../shared/models".into(), PathBuf::from);
-    let found = path.is_dir();
-    if !found {
-        eprintln!("skipped: no models at {} (MULTIRES_MODELS)", path.display());
-    }
-    found.then_some(path)
-}
-
 #[cfg(feature = "io")]
 const WITH_CONNECTIVITY: [&str; 9] = [
     "subdivision/bunny-rand-s3.ply",
@@ -94,14 +83,20 @@ const WITH_CONNECTIVITY: [&str; 9] = [
     "real/homer.obj",
 ];
 
+/// From `$MULTIRES_MODELS`, `../shared/models` by default.
 #[cfg(feature = "io")]
 fn model(name: &str) -> Option<WaveletMesh> {
-    let path = models()?.join(name);
+    let root = std::env::var_os("MULTIRES_MODELS").unwrap_or_else(|| "../shared/models".into());
+    let path = std::path::Path::new(&root).join(name);
     if !path.is_file() {
-        eprintln!("skipped: no {}", path.display());
+        eprintln!("wavelet_transform: skipping {name}: no {} (set MULTIRES_MODELS)", path.display());
         return None;
     }
-    Some(WaveletMesh::recognise(&multires::io::read(path).unwrap(), &options()).unwrap())
+    let mesh = multires::io::read(path).unwrap();
+    let bare = Mesh::new(mesh.positions(), mesh.triangles()).unwrap();
+    // Texture seams may cut through coarse faces.
+    let found = WaveletMesh::recognise(&mesh, &options());
+    Some(found.or_else(|_| WaveletMesh::recognise(&bare, &options())).unwrap())
 }
 
 /// What both transforms give back of everything a mesh has.
@@ -126,7 +121,6 @@ fn check_round_trips(mesh: &WaveletMesh, kind: Wavelet, exact: bool) {
 fn models_come_back() {
     for name in WITH_CONNECTIVITY {
         let Some(mesh) = model(name) else { continue };
-        eprintln!("{name}");
         for kind in KINDS {
             check_round_trips(&mesh, kind, kind == Wavelet::Lazy);
         }
@@ -134,7 +128,7 @@ fn models_come_back() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_mesh_comes_back(base in 0..bases().len(), levels in 0usize..4, seed: u64, kind in 0..4usize) {
@@ -142,6 +136,21 @@ proptest! {
         check_round_trips(&mesh, KINDS[kind], false);
         let mesh = patchy(&bases()[base].1, levels, seed, &options());
         check_round_trips(&mesh, Wavelet::Lazy, false);
+    }
+
+    /// Lazily bit for bit, where values near each other are of sizes not too far apart, zero apart.
+    #[test]
+    fn lazy_is_exact(base in 0..bases().len(), levels in 1usize..4, seed: u64) {
+        let mesh = patchy(&bases()[base].1, levels, seed, &options());
+        let transform = WaveletTransform::of_vertices(mesh.subdivision(), Wavelet::Lazy).unwrap();
+        let value = |v: u64| {
+            let size = -26.0 * hash(v, seed ^ 1);
+            let sign = (3.0 * hash(v, seed ^ 2) - 1.0).ceil() - 1.0;
+            // With all bits of the fraction in use.
+            (sign * (1.0 + hash(v, seed ^ 3)).min(1.9999) * size.floor().exp2()) as f32
+        };
+        let values: Vec<f32> = (0..transform.vertex_count() as u64).map(value).collect();
+        prop_assert_eq!(transform.analyse(&values, 1).unwrap().synthesise(), values);
     }
 
     #[test]
@@ -448,7 +457,6 @@ fn nothing_is_nothing() {
 }
 
 /// L2 errors of the kinds with a share of the coefficients.
-#[cfg(feature = "io")]
 fn errors(mesh: &WaveletMesh, share: f64) -> [f64; 4] {
     KINDS.map(|kind| {
         let transform = WaveletTransform::of_points(mesh, kind).unwrap();
@@ -458,14 +466,29 @@ fn errors(mesh: &WaveletMesh, share: f64) -> [f64; 4] {
     })
 }
 
+fn check_order(name: &str, mesh: &WaveletMesh) {
+    for share in [0.0, 0.02, 0.1, 0.2, 0.5] {
+        let [lazy, zero, one, two] = errors(mesh, share);
+        // Which are the largest is a matter of luck where they are few: two rings may lose a little.
+        let ordered = zero < 0.96 * lazy && one < zero && two < 1.03 * one;
+        assert!(ordered, "{name}, {share}: {lazy} {zero} {one} {two}");
+    }
+}
+
+#[test]
+fn disks_are_nearer_than_lazy_wavelets() {
+    let terrain = WaveletMesh::recognise(&shapes::terrain(65, 1), &options()).unwrap();
+    check_order("terrain", &terrain);
+    check_order("rough ball", &uniform(&shapes::icosphere(0), 5, 1, &options()));
+}
+
 #[test]
 #[cfg(feature = "io")]
-fn disks_are_nearer_than_lazy_wavelets() {
-    for name in &WITH_CONNECTIVITY[..6] {
-        let Some(mesh) = model(name) else { continue };
-        for share in [0.0, 0.02, 0.1, 0.2, 0.5] {
-            let [lazy, zero, one, two] = errors(&mesh, share);
-            eprintln!("{name} {share}: {lazy} {zero} {one} {two}");
+fn disks_are_nearer_on_models() {
+    // The sides of a cube are flat: nothing to leave out.
+    for name in WITH_CONNECTIVITY.into_iter().filter(|name| !name.contains("cube")) {
+        if let Some(mesh) = model(name) {
+            check_order(name, &mesh);
         }
     }
 }

@@ -183,9 +183,9 @@ impl WaveletTransform {
 
     /// Takes a function apart: `width` scalars a vertex, vertex by vertex. O(n).
     ///
-    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) where no value is smaller than
-    /// 2^-28 of one at the ends of its edge; otherwise and for disks within some 1e-15 of the largest value nearby before rounding
-    /// to single precision.
+    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) as long as the values of no vertex
+    /// and the ends of its edge, zeros apart, differ by more than a factor of 2^26: then all sums are exact. Otherwise, and for
+    /// disks, to some 1e-15 of the largest value nearby, before it is rounded to single precision.
     ///
     /// # Errors
     /// Values that are not `width` a vertex, a width of 0, a value that is not finite, and vertices of one node whose values
