@@ -1,14 +1,14 @@
-//! How near a share of the wavelet coefficients comes: lazy wavelets beside k-disk wavelets at equal counts, as tables in
-//! markdown.
+//! How near a share of the wavelet coefficients comes: lazy wavelets beside k-disk wavelets at equal counts, as tables
+//! in markdown.
 //!
 //! ```text
 //! cargo run --release --example wavelet_compression --features io -- [MODEL...] [--samples N]
 //! ```
 //!
-//! Models need subdivision connectivity; where a texture's seams cut through coarse faces, positions go alone. Without models three
-//! are made. Kept are the coefficients of largest length times norm; the base is always kept. `L2` is the root of the
-//! mean square between the same points of the surface, exact; `distance` the mean of both directions' mean distances between the
-//! surfaces, by samples (50,000 a mesh). Both in millionths of the diagonal.
+//! Models need subdivision connectivity; where a texture's seams cut through coarse faces, positions go alone. Without
+//! models three are made. Kept are the coefficients of largest length times norm; the base is always kept. `L2` is the
+//! root of the mean square between the same points of the surface, exact; `distance` the mean of both directions' mean
+//! distances between the surfaces, by samples (50,000 a mesh). Both in millionths of the diagonal.
 
 #[path = "support/say.rs"]
 mod say;
@@ -180,8 +180,8 @@ fn with_positions(mesh: &WaveletMesh, finest: &Mesh, values: &[f32]) -> Result<M
     let mut used = vec![false; of.base_vertex_count()];
     let base = (0..of.base_face_count() as u32).filter_map(|face| of.base_face(face));
     base.flatten().for_each(|vertex| used[vertex as usize] = true);
-    let all = values.as_chunks::<3>().0.iter().enumerate();
-    let positions = all.filter(|&(vertex, _)| used.get(vertex) != Some(&false)).map(|(_, &p)| p);
+    let all = values.chunks_exact(3).map(|xyz| [xyz[0], xyz[1], xyz[2]]).enumerate();
+    let positions = all.filter(|&(vertex, _)| used.get(vertex) != Some(&false)).map(|(_, p)| p);
     Ok(Mesh::new(positions.collect::<Vec<_>>(), finest.triangles())?)
 }
 

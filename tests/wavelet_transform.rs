@@ -1,6 +1,6 @@
 //! Promise: lazy and k-disk transforms give back what went in, are linear, keep constants and seams, and leave midpoint
-//! subdivision where coefficients are left out; k-disk wavelets are orthogonal to the coarse hats of their disk, norms and errors
-//! are the integrals they say, and at equal counts k-disk wavelets are nearer than lazy ones.
+//! subdivision where coefficients are left out; k-disk wavelets are orthogonal to the coarse hats of their disk, norms
+//! and errors are the integrals they say, and at equal counts k-disk wavelets are nearer than lazy ones.
 
 #[path = "support/wavelet.rs"]
 mod support;
@@ -21,6 +21,10 @@ fn options() -> WaveletOptions {
 
 fn flat(mesh: &WaveletMesh) -> &[f32] {
     mesh.vertices().positions().as_flattened()
+}
+
+fn triples(values: &[f32]) -> Vec<[f32; 3]> {
+    values.chunks_exact(3).map(|xyz| [xyz[0], xyz[1], xyz[2]]).collect()
 }
 
 /// Every float attribute with its width.
@@ -189,7 +193,7 @@ proptest! {
         let transform = WaveletTransform::of_points(&mesh, KINDS[kind]).unwrap();
         let coarse = transform.analyse(flat(&mesh), 3).unwrap().to_level(level);
         let values = coarse.synthesise();
-        let (values, _) = values.as_chunks::<3>();
+        let values = triples(&values);
         let at = |vertex: u32| values[vertex as usize];
         for vertex in of.base_vertex_count() as u32..of.vertex_count() as u32 {
             if of.level_of(of.wavelet_of(vertex).unwrap()) <= level {
@@ -217,7 +221,7 @@ proptest! {
         let points = WaveletTransform::of_points(&mesh, KINDS[kind]).unwrap();
         prop_assert!(points.node_count() < of.vertex_count());
         let values = points.analyse(flat(&mesh), 3).unwrap().to_count(count).synthesise();
-        let (values, _) = values.as_chunks::<3>();
+        let values = triples(&values);
         let original = mesh.vertices().positions();
         for wavelet in 0..of.wavelet_count() as u32 {
             for double in of.doubles_of(wavelet) {

@@ -1,7 +1,8 @@
 //! Coefficients, and leaving out those that matter least: by level, by size, by count.
 //!
-//! What a coefficient matters is its length times the norm of its wavelet: the L2 error of leaving it alone out. Of orthogonal
-//! wavelets the largest ones would be the best choice; of k-disk wavelets they nearly are, of lazy ones they are not.
+//! What a coefficient matters is its length times the norm of its wavelet: the L2 error of leaving it alone out. Of
+//! orthogonal wavelets the largest ones would be the best choice; of k-disk wavelets they nearly are, of lazy ones they
+//! are not.
 
 use std::ops::Range;
 
@@ -54,8 +55,8 @@ impl<'t> Coefficients<'t> {
         rest.filter(|w| w.iter().any(|&x| x != 0.0)).count()
     }
 
-    /// The length of a node's coefficient times the norm of its wavelet: the L2 error of leaving it alone out, in the unit of the
-    /// values ([`l2_error`](super::l2_error)). `None` for the base and out of range.
+    /// The length of a node's coefficient times the norm of its wavelet: the L2 error of leaving it alone out, in the
+    /// unit of the values ([`l2_error`](super::l2_error)). `None` for the base and out of range.
     pub fn magnitude(&self, node: usize) -> Option<f64> {
         let norm = self.transform.norm(node)?;
         let square: f64 = self.nodes[node * self.width..][..self.width].iter().map(|x| x * x).sum();

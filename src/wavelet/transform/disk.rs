@@ -130,6 +130,9 @@ impl Disk {
     /// Takes in the neighbours of a node, those next to the earliest others first; or `false`, where that are too many.
     fn grow(&mut self, products: &Products, at: usize) -> bool {
         let row = products.row(self.nodes[at]);
+        if row.len() >= MOST {
+            return false;
+        }
         let new = row.iter().filter(|item| self.position[item.0 as usize] == NONE).count();
         if self.nodes.len() + new > MOST {
             return false;

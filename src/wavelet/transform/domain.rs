@@ -139,8 +139,8 @@ impl Domain {
         Ok(split)
     }
 
-    /// Per node that is not of the base, the inner product of its hat with itself on the level it is new in, in 48ths of the area
-    /// of a face of the level before.
+    /// Per node that is not of the base, the inner product of its hat with itself on the level it is new in, in 48ths
+    /// of the area of a face of the level before.
     pub fn midpoint_products(&self, of: &Subdivision) -> Vec<u32> {
         let mut products = vec![0; self.len() - self.base()];
         for wavelet in 0..of.wavelet_count() as u32 {
@@ -192,5 +192,44 @@ impl Joined {
     fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.first(a), self.first(b));
         self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Attribute, Mesh, names, shapes};
+    use crate::wavelet::{WaveletBuilder, WaveletOptions};
+
+    fn once(base: &Mesh) -> WaveletMesh {
+        let mut builder = WaveletBuilder::new(base).unwrap();
+        builder.subdivide(|midpoint| midpoint.middle).unwrap();
+        builder.build(&WaveletOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn seams_are_one_wherever_their_vertices_lie() {
+        let mut mesh = once(&shapes::box_with_face_normals(1));
+        let points = Domain::of_points(&mesh);
+        assert_eq!((points.base(), points.len()), (8, 8 + 18));
+        // Every vertex elsewhere.
+        let apart = (0..mesh.vertices.positions().len()).map(|v| [v as f32, 0.0, 0.0]).collect();
+        mesh.vertices = mesh.vertices.with_positions(apart);
+        assert_eq!(Domain::of_points(&mesh).node_of, points.node_of);
+        assert_eq!(Domain::of_vertices(&mesh.subdivision).len(), mesh.subdivision.vertex_count());
+    }
+
+    #[test]
+    fn vertices_that_only_meet_are_one() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
+        let positions = [&positions[..], &[[-1.0, 1.0, 0.0]]].concat();
+        let normals = [[0.0, 0.0, 1.0]; 3].into_iter().chain([[0.0, 1.0, 0.0]; 3]).collect::<Vec<_>>();
+        let base = Mesh::new(positions, [[0, 1, 2], [3, 4, 5]]).unwrap();
+        let base = base.with_attribute(Attribute::floats(names::NORMAL, &normals)).unwrap();
+        let mesh = once(&base);
+        let points = Domain::of_points(&mesh);
+        assert_eq!(points.node_of[0], points.node_of[3]);
+        assert_eq!((points.base(), points.len()), (5, 5 + 6));
     }
 }

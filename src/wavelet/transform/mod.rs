@@ -32,26 +32,28 @@ const MOST_RINGS: u8 = 2;
 pub enum Wavelet {
     /// Hats at midpoints: coarser levels are samples of the finest one.
     Lazy,
-    /// Hats at midpoints less those coarser hats that make them orthogonal to all within so many rings of neighbours about the
-    /// edge, 0 to 2: coarser levels are nearly the best approximations in the mean square.
+    /// Hats at midpoints less those coarser hats that make them orthogonal to all within so many rings of neighbours
+    /// about the edge, 0 to 2: coarser levels are nearly the best approximations in the mean square.
     Disk(u8),
 }
 
-/// Takes functions on one subdivision apart into values on the base and wavelet coefficients, and puts them together again.
+/// Takes functions on one subdivision apart into values on the base and wavelet coefficients, and puts them together
+/// again.
 ///
 /// A function is linear on the faces of the finest level; on every coarser level it is one with the coefficients of all
-/// finer ones left out. The coefficient of a midpoint is its value less the middle of its ends; for [`Wavelet::Disk`] the
-/// values of the level before are corrected by it, s_k w for every hat k of the disk, before they are taken apart in
-/// turn (Lounsbery et al. 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting form of
-/// Southern, appendix A, equation A.10). Synthesis does the same backwards.
+/// finer ones left out. The coefficient of a midpoint is its value less the middle of its ends; for [`Wavelet::Disk`]
+/// the values of the level before are corrected by it, s_k w for every hat k of the disk, before they are taken apart
+/// in turn (Lounsbery et al. 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting
+/// form of Southern, appendix A, equation A.10). Synthesis does the same backwards.
 ///
-/// Values belong to nodes. With [`of_points`](Self::of_points) these are points: all vertices at a seam have one value, so
-/// that no truncation opens a crack; what positions want. With [`of_vertices`](Self::of_vertices) these are vertices, and the
-/// surface is cut along its seams; what texture coordinates want. Nodes are numbered level by level, the base first.
+/// Values belong to nodes. With [`of_points`](Self::of_points) these are points: all vertices at a seam have one value,
+/// so that no truncation opens a crack; what positions want. With [`of_vertices`](Self::of_vertices) these are
+/// vertices, and the surface is cut along its seams; what texture coordinates want. Nodes are numbered level by level,
+/// the base first.
 ///
-/// Lazy transforms work for all subdivisions. Disks ask for whole levels: the faces of a component, joined by nodes, are to be
-/// split equally deep. O(n) to make, to analyse and to synthesise, as long as few vertices have very many neighbours; a disk of
-/// more than 256 hats gives way to one of fewer rings.
+/// Lazy transforms work for all subdivisions. Disks ask for whole levels: the faces of a component, joined by nodes,
+/// are to be split equally deep. O(n) to make, to analyse and to synthesise, as long as few vertices have very many
+/// neighbours; a disk of more than 256 hats gives way to one of fewer rings.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -86,12 +88,14 @@ impl WaveletTransform {
     /// For functions with one value for all vertices at a point.
     ///
     /// # Errors
-    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of one component split to different depths.
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of one component split to different
+    /// depths.
     pub fn of_points(mesh: &WaveletMesh, kind: Wavelet) -> Result<Self, WaveletError> {
         Self::new(mesh.subdivision(), Domain::of_points(mesh), kind)
     }
 
-    /// For functions with a value for every vertex, of which those on the two sides of a seam have nothing to do with each other.
+    /// For functions with a value for every vertex, of which those on the two sides of a seam have nothing to do with
+    /// each other.
     ///
     /// # Errors
     /// As for [`of_points`](Self::of_points).
@@ -157,14 +161,14 @@ impl WaveletTransform {
         self.domain.vertex_of.get(node).copied()
     }
 
-    /// The root of the mean square of a node's wavelet over the surface, every base face counting the same: what 1 as its coefficient
-    /// and 0 elsewhere is apart from nothing ([`l2_error`]). `None` for the base and out of range.
+    /// The root of the mean square of a node's wavelet over the surface, every base face counting the same: what 1 as
+    /// its coefficient and 0 elsewhere is apart from nothing ([`l2_error`]). `None` for the base and out of range.
     pub fn norm(&self, node: usize) -> Option<f64> {
         self.norms.get(node.checked_sub(self.domain.base())?).copied()
     }
 
-    /// The coarser hats that a node's wavelet is less, by node, and how much of each; `None` for the base, out of range and for lazy
-    /// wavelets.
+    /// The coarser hats that a node's wavelet is less, by node, and how much of each; `None` for the base, out of range
+    /// and for lazy wavelets.
     pub fn lifting(&self, node: usize) -> Option<(&[u32], &[f64])> {
         let at = node.checked_sub(self.domain.base()).filter(|&at| at < self.norms.len())?;
         self.lifting.as_ref().map(|lifting| lifting.disk(at))
@@ -183,13 +187,14 @@ impl WaveletTransform {
 
     /// Takes a function apart: `width` scalars a vertex, vertex by vertex. O(n).
     ///
-    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) as long as the values of no vertex
-    /// and the ends of its edge, zeros apart, differ by more than a factor of 2^26: then all sums are exact. Otherwise, and for
-    /// disks, to some 1e-15 of the largest value nearby, before it is rounded to single precision.
+    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) as long as the values
+    /// of no vertex and the ends of its edge, zeros apart, differ by more than a factor of 2^26: then all sums are
+    /// exact. Otherwise, and for disks, to some 1e-15 of the largest value nearby, before it is rounded to single
+    /// precision.
     ///
     /// # Errors
-    /// Values that are not `width` a vertex, a width of 0, a value that is not finite, and vertices of one node whose values
-    /// are not equal.
+    /// Values that are not `width` a vertex, a width of 0, a value that is not finite, and vertices of one node whose
+    /// values are not equal.
     pub fn analyse(&self, values: &[f32], width: usize) -> Result<Coefficients<'_>, WaveletError> {
         check_length(values.len(), self.vertex_count(), width)?;
         let mut nodes: Vec<f64> = Vec::with_capacity(self.node_count() * width);
@@ -214,7 +219,8 @@ impl WaveletTransform {
         Ok(Coefficients::of(self, width, nodes))
     }
 
-    /// Coefficients from elsewhere, `width` scalars a node, node by node: values for those of the base, coefficients for all others.
+    /// Coefficients from elsewhere, `width` scalars a node, node by node: values for those of the base, coefficients
+    /// for all others.
     ///
     /// # Errors
     /// Not `width` a node, a width of 0, one that is not finite.

@@ -1,14 +1,16 @@
-//! Exact inner products of hats, added up face by face, so that borders, any valence and edges of many faces come out right.
+//! Exact inner products of hats, added up face by face, so that borders, any valence and edges of many faces come out
+//! right.
 //!
-//! The measure is parametric: every base face has area 1, so a face of level j has area 4^-j whatever it looks like. Of a face
-//! of area A the products of its corners' hats are A/6 with themselves and A/12 with each other; the hat of the next
-//! level at the midpoint of a side has 5A/48 with the hats at its ends and 2A/48 with the third. All are kept as whole
-//! numbers of A/12 or A/48: equal patterns are equal to the last bit.
+//! The measure is parametric: every base face has area 1, so a face of level j has area 4^-j whatever it looks like. Of
+//! a face of area A the products of its corners' hats are A/6 with themselves and A/12 with each other; the hat of the
+//! next level at the midpoint of a side has 5A/48 with the hats at its ends and 2A/48 with the third. All are kept as
+//! whole numbers of A/12 or A/48: equal patterns are equal to the last bit.
 
 use super::super::{Subdivision, WaveletError};
 use super::domain::{Domain, SplitFace};
 
-/// Products of a midpoint's hat with the hats at the ends of its side and with the third, in 48ths of the area of the face.
+/// Products of a midpoint's hat with the hats at the ends of its side and with the third, in 48ths of the area of the
+/// face.
 pub(super) const END: u32 = 5;
 pub(super) const OPPOSITE: u32 = 2;
 
@@ -93,8 +95,8 @@ impl Products {
         &self.items[self.offsets[node as usize]..self.offsets[node as usize + 1]]
     }
 
-    /// Products of the hat at a midpoint with hats of this level, in 48ths of the area of a face: node and number, not added
-    /// up.
+    /// Products of the hat at a midpoint with hats of this level, in 48ths of the area of a face: node and number, not
+    /// added up.
     pub fn of_midpoint(&self, midpoint: usize) -> impl Iterator<Item = (u32, u32)> + '_ {
         let at = midpoint - self.first;
         let sides = &self.sides[self.side_offsets[at]..self.side_offsets[at + 1]];
@@ -111,11 +113,12 @@ fn sum_up(counts: &mut [usize]) {
     }
 }
 
-/// How far two functions on a subdivision are apart: the root of the mean square of their difference, in the unit of the values.
+/// How far two functions on a subdivision are apart: the root of the mean square of their difference, in the unit of
+/// the values.
 ///
-/// A function has `width` scalars a vertex, vertex by vertex, and is linear on every face that is not split. The mean is over the
-/// base faces, each of which counts the same (the parametric measure, in which the hats of a level are alike); it is exact but
-/// for rounding: the mass matrix of the finest level. O(n).
+/// A function has `width` scalars a vertex, vertex by vertex, and is linear on every face that is not split. The mean
+/// is over the base faces, each of which counts the same (the parametric measure, in which the hats of a level are
+/// alike); it is exact but for rounding: the mass matrix of the finest level. O(n).
 ///
 /// # Errors
 /// Values that are not `width` a vertex; a face that is not split beside one that is, where functions are not
@@ -165,8 +168,8 @@ pub fn l2_error(subdivision: &Subdivision, width: usize, a: &[f32], b: &[f32]) -
 mod tests {
     use super::*;
 
-    /// The integral over a triangle of area 1 of a product of functions that are linear on its four parts: the rule of the
-    /// middles of sides is exact for quadratics.
+    /// The integral over a triangle of area 1 of a product of functions that are linear on its four parts: the rule of
+    /// the middles of sides is exact for quadratics.
     fn integral(f: impl Fn([f64; 3]) -> f64, g: impl Fn([f64; 3]) -> f64) -> f64 {
         let middle = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
         let c = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
