@@ -95,8 +95,8 @@ const BREAKS: [(&str, Break); 36] = [
     ("vertices", |p| p.split[0] |= 1 << 4),
     ("vertices", |p| p.split.clear()),
     // Seams.
-    ("sides at seams, entry 0", |p| p.seams[0][1] += 1),
-    ("sides at seams, entry 2", |p| {
+    ("vertices, not", |p| p.seams[0][1] += 1),
+    ("corners at seams, entry 2", |p| {
         let last = p.seams[1];
         p.seams.insert(1, last);
     }),

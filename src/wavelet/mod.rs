@@ -18,6 +18,7 @@
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
+//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
 mod bounds;
@@ -33,6 +34,7 @@ mod recognise;
 mod subdivision;
 mod surface;
 mod tally;
+mod transform;
 mod truncate;
 mod validate;
 mod vertices;
@@ -47,3 +49,4 @@ pub use parts::WaveletParts;
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};
 pub use subdivision::Subdivision;
+pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};
