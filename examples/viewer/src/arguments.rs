@@ -76,6 +76,10 @@ pub struct Arguments {
     #[arg(long, value_name = "PNG")]
     pub texture: Option<PathBuf>,
 
+    /// What the window shows beside the level of detail.
+    #[arg(long, value_name = "B", value_enum, default_value_t)]
+    pub beside: Layout,
+
     /// Pixels of a picture, or of the window at first.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
@@ -104,6 +108,29 @@ pub struct Arguments {
     /// Draw no more than so many frames in the window, then end.
     #[arg(long, value_name = "N", hide = true)]
     pub end_after: Option<u64>,
+}
+
+/// What is shown beside the level of detail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Layout {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// The full mesh.
+    Full,
+    /// The full mesh, and the difference of both.
+    Difference,
+}
+
+impl Layout {
+    /// Number of pictures.
+    pub fn pictures(self) -> u32 {
+        match self {
+            Self::Nothing => 1,
+            Self::Full => 2,
+            Self::Difference => 3,
+        }
+    }
 }
 
 /// Where merged vertices go.

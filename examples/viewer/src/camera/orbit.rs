@@ -23,7 +23,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Around a ball, so that all of it is seen.
+    /// Around a ball, so that all of it is seen in a picture that is no higher than wide.
     pub fn framing(centre: [f64; 3], radius: f64, field_of_view: f64, z_up: bool) -> Self {
         let distance = (radius / (field_of_view * 0.5).sin()).max(1e-12);
         Self { target: centre, distance, around: 0.6, above: 0.35, z_up }

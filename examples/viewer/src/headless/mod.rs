@@ -137,7 +137,7 @@ fn poses(arguments: &Arguments, scene: &Scene, path: Option<&Path>) -> Vec<(u64,
             .collect(),
         None => {
             let fov = arguments.fov.to_radians();
-            vec![(0, Orbit::framing(centre, 0.5 * diagonal, fov, arguments.z_up).pose())]
+            vec![(0, Orbit::framing(centre, 0.4 * diagonal, fov, arguments.z_up).pose())]
         }
     }
 }

@@ -14,10 +14,10 @@ fn corner(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(vec4(corner.x * 2.0 - 1.0, 1.0 - corner.y * 2.0, 0.0, 1.0), corner);
 }
 
-fn pixel(of: texture_2d<f32>, at: vec2<f32>) -> vec4<f32> {
-    let size = textureDimensions(of);
+fn pixel(image: texture_2d<f32>, at: vec2<f32>) -> vec4<f32> {
+    let size = textureDimensions(image);
     let place = min(vec2<u32>(at * vec2<f32>(size)), size - 1u);
-    return textureLoad(of, place, 0);
+    return textureLoad(image, place, 0);
 }
 
 fn linear(c: vec3<f32>) -> vec3<f32> {
