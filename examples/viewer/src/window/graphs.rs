@@ -82,6 +82,9 @@ impl Curve {
 
 /// A number as people read it.
 pub fn short(value: f32, unit: &str) -> String {
+    if unit == "us" && value.abs() >= 9999.5 {
+        return short(value / 1e3, "ms");
+    }
     let number = match value.abs() {
         x if x >= 1e7 => format!("{:.0} M", value / 1e6),
         x if x >= 1e6 => format!("{:.1} M", value / 1e6),
@@ -91,4 +94,27 @@ pub fn short(value: f32, unit: &str) -> String {
         _ => format!("{value:.2}"),
     };
     if unit.is_empty() { number } else { format!("{number} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let all = [
+            (0.0, "", "0"),
+            (7.0, "", "7"),
+            (1234.0, "", "1234"),
+            (69_451.0, "", "69 k"),
+            (2_500_000.0, "", "2.5 M"),
+            (9.834, "us", "9.83 us"),
+            (96.1, "us", "96.1 us"),
+            (22_000.0, "us", "22.0 ms"),
+            (16.67, "ms", "16.7 ms"),
+        ];
+        for (value, unit, text) in all {
+            assert_eq!(short(value, unit), text);
+        }
+    }
 }

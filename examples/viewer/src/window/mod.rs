@@ -125,6 +125,7 @@ impl App<'_> {
         }
         if self.arguments.end_after.is_some_and(|most| self.frames >= most && !open.viewer.is_loading()) {
             (self.say)(&format!("{} frames", self.frames));
+            open.viewer.message.iter().for_each(|message| (self.say)(message));
             events.exit();
         } else if again.is_zero() || self.arguments.end_after.is_some() {
             open.window.request_redraw();

@@ -316,8 +316,13 @@ fn picture(ui: &mut Ui, viewer: &mut Viewer) {
             ],
         );
         ui.horizontal(|ui| {
-            ui.add_enabled(has_wire, egui::Checkbox::new(&mut controls.wire, "wireframe"))
-                .on_disabled_hover_text("this graphics adapter cannot");
+            let compares = controls.layout == Layout::Difference;
+            ui.add_enabled(has_wire && !compares, egui::Checkbox::new(&mut controls.wire, "wireframe"))
+                .on_disabled_hover_text(if compares {
+                    "differences are those of surfaces"
+                } else {
+                    "this graphics adapter cannot"
+                });
             ui.checkbox(&mut controls.flat, "flat");
         });
     });

@@ -232,7 +232,11 @@ impl Viewer {
     /// Shows all of the scene.
     pub fn reset_camera(&mut self) {
         let (centre, size) = self.scene.as_ref().map_or(([0.0; 3], 1.0), |s| (s.centre(), s.diagonal()));
-        let orbit = Orbit::framing(centre, 0.4 * size, self.controls.field_of_view, self.controls.z_up);
+        // In the narrower direction.
+        let [width, height] = self.targets[0].size().map(f64::from);
+        let high = (self.controls.field_of_view * 0.5).tan();
+        let narrow = 2.0 * (high * (width / height).min(1.0)).atan();
+        let orbit = Orbit::framing(centre, 0.4 * size, narrow, self.controls.z_up);
         let flies = matches!(self.hands, Hands::Fly(_));
         self.hands = Hands::Orbit(orbit);
         self.hands.fly(flies, size);
@@ -348,8 +352,9 @@ impl Viewer {
             Err(error) => self.message = Some(error.to_string()),
         }
         let start = Instant::now();
-        let overlays =
-            Overlays { wire: self.controls.wire, written: self.controls.shading == Shading::Dirty };
+        // A difference is one of surfaces.
+        let wire = self.controls.wire && self.controls.layout != Layout::Difference;
+        let overlays = Overlays { wire, written: self.controls.shading == Shading::Dirty };
         scene.sync(device, &mut self.uploads, overlays.written);
         self.sync_full(&scene);
         let look = Look {
@@ -375,7 +380,7 @@ impl Viewer {
             }
         }
         if let Some(full) = &self.full {
-            let overlays = Overlays { wire: self.controls.wire, written: false };
+            let overlays = Overlays { wire, written: false };
             full.draw_to(&self.renderer, encoder, &self.targets[1], &self.eyes[0], &self.paint, overlays);
         }
         let change = self.adapted.change;
