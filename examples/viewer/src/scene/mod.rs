@@ -40,7 +40,7 @@ use crate::renderer::{
 const GLOW: usize = 12;
 /// Colours of triangle edges and of what was written of late.
 const WIRE: [f32; 4] = [0.02, 0.03, 0.05, 0.55];
-const WRITTEN: [f32; 4] = [1.0, 0.22, 0.02, 0.8];
+const WRITTEN: [f32; 4] = [1.0, 0.2, 0.02, 0.5];
 
 /// What lies over the surfaces of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -253,9 +253,13 @@ impl Model {
         triangles: &[[u32; 3]],
         materials: Vec<u32>,
     ) -> Result<Self, ModelError> {
+        let mut vertices = vertices;
         let mut corners = triangles.as_flattened().iter().map(|&v| Vec3::from(vertices[v as usize].position));
         let first = corners.next().ok_or(ModelError::NoTriangles)?;
         let (low, high) = corners.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        // Vertices of the coarsest mesh are never left out.
+        let diagonal = (high - low).length();
+        vertices.iter_mut().filter(|v| v.level == 0.0).for_each(|v| v.error = diagonal);
         Ok(Self {
             structure,
             bounds: [low.to_array(), high.to_array()],

@@ -41,7 +41,12 @@ const LEAST: [u32; 2] = [240, 180];
 /// # Errors
 /// There is no card, or no window can be opened.
 pub fn run(arguments: Arguments, say: impl Fn(&str)) -> Result<(), Failure> {
-    let refused = |error: &dyn std::fmt::Display| Failure::Window { reason: error.to_string() };
+    let refused = |error: &dyn std::fmt::Display| {
+        let reason = error.to_string();
+        // The window system's own words, without the place in somebody's source where they were heard.
+        let own = reason.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+        Failure::Window { reason: own.map_or(reason.clone(), |(_, own)| own.to_owned()) }
+    };
     let events = EventLoop::with_user_event().build().map_err(|error| refused(&error))?;
     let proxy = events.create_proxy();
     let mut app = App { arguments, say: &say, proxy, open: None, failure: None, frames: 0 };

@@ -59,7 +59,7 @@ impl Panel {
                     });
                 });
                 ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-                    ui.spacing_mut().slider_width = 120.0;
+                    ui.spacing_mut().slider_width = 104.0;
                     model(ui, viewer, &mut asked);
                     detail(ui, viewer);
                     picture(ui, viewer);
