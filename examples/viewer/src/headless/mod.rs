@@ -161,8 +161,8 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
     let gpu = opening.join().map_err(|_| lost())??;
     say(&format!("adapter {}", gpu.name()));
     let model = Arc::new(model?);
-    let bytes = model.triangle_count();
-    say(&format!("model   {}: {}, {bytes} triangles", source.name(), model.kind()));
+    let triangles = model.triangle_count();
+    say(&format!("model   {}: {}, {triangles} triangles", source.name(), model.kind()));
 
     let samples = 4;
     let mut stage =

@@ -83,7 +83,12 @@ const INDEX_USAGE: wgpu::BufferUsages =
 
 /// The vertices of a structure in one buffer, uploaded once and drawn by all its instances.
 pub fn shared_vertices(device: &wgpu::Device, uploads: &mut Uploads, vertices: &[Vertex]) -> wgpu::Buffer {
-    let buffer = create(device, size_of_val(vertices) as u64, VERTEX_USAGE);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("vertices of all levels"),
+        size: (size_of_val(vertices) as u64).max(4),
+        usage: VERTEX_USAGE,
+        mapped_at_creation: false,
+    });
     uploads.write(Kind::Vertices, &buffer, 0, bytemuck::cast_slice(vertices));
     buffer
 }

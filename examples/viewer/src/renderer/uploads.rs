@@ -8,6 +8,9 @@
 //! `Queue::write_buffer` makes a staging buffer of its own in every call, which costs more than the bytes of a small range.
 //! Copies on the card cost next to nothing, so hundreds of small ranges of hundreds of objects do no harm.
 
+/// Bytes of memory that are kept for the next frame at most.
+const MOST_KEPT: u64 = 1 << 24;
+
 /// What a flush did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Uploaded {
@@ -131,7 +134,12 @@ impl Uploads {
             }
         }
         self.bytes.clear();
-        self.staging = Some(staging);
+        // Once a model's vertices are there, no frame writes as much again.
+        if needed > MOST_KEPT {
+            self.bytes = Vec::new();
+        } else {
+            self.staging = Some(staging);
+        }
         std::mem::take(&mut self.counted)
     }
 }

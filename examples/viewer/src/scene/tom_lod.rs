@@ -30,7 +30,11 @@ impl TomLod {
         let [low, high] = bounds.map(glam::Vec3::from_array);
         let (centre, diagonal) = ((low + high) * 0.5, (high - low).length());
         let mut cursor = TomCursor::new(steps);
-        let room: Vec<usize> = cursor.ranges().iter().map(|range| range.count as usize / 3).collect();
+        let mut room: Vec<usize> = cursor.ranges().iter().map(|range| range.count as usize / 3).collect();
+        if room.is_empty() {
+            // A mesh without triangles has one group too.
+            room.push(0);
+        }
         let mut dirty = vec![Dirty::default(); room.len()];
         dirty.iter_mut().zip(&room).for_each(|(dirty, &room)| dirty.mark_all(room));
         cursor.take_dirty();
