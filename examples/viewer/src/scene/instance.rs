@@ -85,7 +85,7 @@ impl Criterion for Everything {
 
 enum Lod {
     Jumps(HierarchyLod),
-    Moves(Box<MorphedLod<Vertex>>),
+    Moves(MorphedLod<Vertex>),
 }
 
 /// An instance of a vertex hierarchy.
@@ -109,7 +109,7 @@ impl HierarchyInstance {
             None => None,
         };
         let lod = match (moving, settings.storage) {
-            (Some(lod), _) => Lod::Moves(Box::new(lod)),
+            (Some(lod), _) => Lod::Moves(lod),
             (None, Storage::Static) => Lod::Jumps(HierarchyLod::new(Arc::clone(hierarchy))),
             (None, Storage::Compact) => Lod::Jumps(HierarchyLod::packed(Arc::clone(hierarchy))),
         };
@@ -124,14 +124,14 @@ impl Drawn for HierarchyInstance {
     fn lod(&self) -> &dyn LevelOfDetail {
         match &self.lod {
             Lod::Jumps(lod) => lod,
-            Lod::Moves(lod) => &**lod,
+            Lod::Moves(lod) => lod,
         }
     }
 
     fn lod_mut(&mut self) -> &mut dyn LevelOfDetail {
         match &mut self.lod {
             Lod::Jumps(lod) => lod,
-            Lod::Moves(lod) => &mut **lod,
+            Lod::Moves(lod) => lod,
         }
     }
 
@@ -155,7 +155,7 @@ impl Instance for HierarchyInstance {
                 if seconds != self.duration {
                     // The duration is set when an instance is made, so it is made anew from what it is.
                     let geomorph = Geomorph::default().with_duration(seconds);
-                    **lod = lod.as_ref().clone().with_geomorph(geomorph);
+                    *lod = lod.clone().with_geomorph(geomorph);
                     self.duration = seconds;
                 }
                 lod.set_options(settings.limits);

@@ -412,7 +412,8 @@ impl Viewer {
         let (centre, diagonal) = (scene.centre(), scene.diagonal());
         match &mut self.tape {
             Some(Tape::Recording(path)) => {
-                if !path.record(&self.hands.pose(), centre, diagonal) {
+                let fits = path.record(&self.hands.pose(), centre, diagonal);
+                if !fits {
                     self.record(false);
                 }
             }
