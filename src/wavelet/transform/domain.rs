@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use crate::mesh::NONE;
 
+use super::super::build::Part;
 use super::super::{Subdivision, WaveletError, WaveletMesh};
 
 /// Nodes of a subdivision: those of the base first, then those of every level, so that ends come before midpoints.
@@ -125,7 +126,8 @@ impl Domain {
         for face in faces.clone().filter(|&face| of.is_split(face)) {
             let corners = nodes(of.corners(face));
             let wavelets = of.sides_of_split(face);
-            let midpoints = nodes([0, 1, 2].map(|side| of.vertex_at(wavelets[side], face, side)));
+            // Where a seam runs inside the face, that of the first half stands for all: lifting may be any, so nothing is lost.
+            let midpoints = nodes([0, 1, 2].map(|side| of.vertices_at(wavelets[side], face, side)[0]));
             corners.iter().for_each(|&node| touched[node as usize] = true);
             split.push(SplitFace { corners, midpoints });
         }
@@ -146,9 +148,17 @@ impl Domain {
         for wavelet in 0..of.wavelet_count() as u32 {
             for side in of.faces_along(wavelet) {
                 let (face, side) = (side.face(), side.side());
-                let node = self.node_of[of.vertex_at(wavelet, face, side) as usize];
+                let node = self.node_of[of.vertices_at(wavelet, face, side)[0] as usize];
                 // Three of the four children, a quarter of the area each, a sixth of that.
-                products[node as usize - self.base()] += 6;
+                if of.is_split(face) {
+                    for part in Part::ALL {
+                        let (child, corner) = part.corner(side);
+                        let node = self.node_of[of.corner(of.child(face, child), corner) as usize];
+                        products[node as usize - self.base()] += 2;
+                    }
+                } else {
+                    products[node as usize - self.base()] += 6;
+                }
                 if of.is_split(face) {
                     // A face that has an edge on two sides: two children with both midpoints, a twelfth of their area.
                     let twice = of.sides_of_split(face).iter().filter(|&&w| w == wavelet).count() as u32 - 1;
