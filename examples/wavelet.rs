@@ -60,8 +60,7 @@ const USAGE: &str =
     "usage: wavelet [FILE] [--out DIR] [--path CSV] [--up y|z] [--px N] [--silhouette N] [--rounds N]";
 /// Vertices on a side of the terrain.
 const TERRAIN: u32 = 1025;
-/// The frame that is pictured, and every how many frames pictures are compared.
-const PICTURED: usize = 240;
+/// Every how many frames pictures are compared.
 const COMPARE_EVERY: usize = 60;
 /// From the middle, in diagonals: far and near.
 const FAR: f64 = 1.3;
@@ -84,6 +83,8 @@ struct Model<'a> {
     paint: Paint,
     /// Errors inside and on the silhouette, pixels.
     pixels: [f32; 2],
+    /// The frame that is pictured.
+    pictured: usize,
 }
 
 fn main() -> ExitCode {
@@ -107,7 +108,7 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
         let name = path.file_stem().map_or("model".into(), |name| name.to_string_lossy());
         let build: Build<'_> = &|options| WaveletMesh::recognise(&mesh, options);
         return fly(
-            &Model { name: &name, build, paint: painted::marble, pixels: pixels(1.0, 1.0) },
+            &Model { name: &name, build, paint: painted::marble, pixels: pixels(1.0, 1.0), pictured: 240 },
             arguments,
             says,
         );
@@ -117,6 +118,7 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
         build: &sphere::build,
         paint: painted::marble,
         pixels: pixels(sphere::PIXELS[0], sphere::PIXELS[1]),
+        pictured: 240,
     };
     fly(&sphere, arguments, says)?;
     let found = sphere::distances(says)?;
@@ -131,6 +133,7 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
         build: &|options| WaveletMesh::recognise(&ground, options),
         paint: painted::land,
         pixels: pixels(1.0, 1.0),
+        pictured: 320,
     };
     fly(&terrain, arguments, says)
 }
@@ -217,7 +220,7 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
             both(|d| d.flat)
         )?;
     }
-    if let Some(pose) = poses.get(PICTURED.min(poses.len().saturating_sub(1))) {
+    if let Some(pose) = poses.get(model.pictured.min(poses.len().saturating_sub(1))) {
         let pictures = [
             ("beside.png", plates.beside(pose)?),
             ("outside.png", plates.outside(pose)?),

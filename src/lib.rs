@@ -47,8 +47,8 @@
 //! | [`error`] | what can be wrong with arrays that are handed in |
 //!
 //! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
-//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/wavelet.md`, `docs/guide/quality.md`; why things are as they are in
-//! `docs/architecture.md`; figures in `docs/performance.md`.
+//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/wavelet.md`, `docs/guide/engine.md`,
+//! `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
 //!
 //! # Features
 //!
@@ -109,4 +109,6 @@ mod chapters {
     struct Wavelet;
     #[doc = include_str!("../docs/guide/quality.md")]
     struct Quality;
+    #[doc = include_str!("../docs/guide/engine.md")]
+    struct Engine;
 }

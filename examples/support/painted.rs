@@ -2,7 +2,8 @@
 //!
 //! A drawn set of wavelets and the full resolution are functions on the same base faces (Azuma et al., section 3.1). So every vertex
 //! of the full resolution has a place on what is drawn, and there it gets the colour and the normal that it has at full resolution:
-//! a texture and a normal map with a texel a vertex, or more where triangles are few.
+//! a texture and a normal map with a texel a vertex, or more where triangles are few; and as with any texture, there are coarser ones
+//! for where texels are smaller than pixels.
 
 use std::error::Error;
 
@@ -16,6 +17,12 @@ const TEXELS: usize = 500_000;
 /// What is painted, of the place and the normal at full resolution.
 pub type Paint = fn(Vec3, Vec3) -> [u8; 3];
 
+/// Normals and colours at the corners of what carries them.
+struct Texture {
+    normals: Vec<[f32; 3]>,
+    colours: Vec<[u8; 3]>,
+}
+
 pub struct Painted {
     /// The full resolution, by the wavelet mesh's own vertices.
     triangles: Vec<[u32; 3]>,
@@ -24,8 +31,9 @@ pub struct Painted {
     /// Parts that a triangle's sides are cut in.
     parts: usize,
     fine: Vec<[u32; 3]>,
-    normals: Vec<[f32; 3]>,
-    pub colours: Vec<[u8; 3]>,
+    /// Mean length of the edges at full resolution, object units.
+    texel: f64,
+    texture: Texture,
 }
 
 impl Painted {
@@ -41,13 +49,16 @@ impl Painted {
         let ends = (0..of.vertex_count() as u32).filter_map(|v| Some((of.wavelet_of(v)?, v, of.ends(v)?)));
         let mut order: Vec<_> = ends.collect();
         order.sort_unstable();
+        let place = |v: u32| full.positions().get(v as usize).map_or(Vec3::ZERO, |&p| Vec3::from_array(p));
+        let lengths = triangles.iter().map(|&[a, b, _]| f64::from(place(a).distance(place(b))));
+        let texel = lengths.sum::<f64>() / triangles.len().max(1) as f64;
         let parts = ((TEXELS / triangles.len().max(1)) as f64).sqrt() as usize;
         let parts = parts.clamp(1, 8);
-        let mut painted =
-            Self { triangles, order, parts, fine: Vec::new(), normals: Vec::new(), colours: Vec::new() };
+        let texture = Texture { normals: Vec::new(), colours: Vec::new() };
+        let mut painted = Self { triangles, order, parts, fine: Vec::new(), texel, texture };
         let own = full.attribute(names::NORMAL).and_then(Attribute::as_floats).unwrap_or_default();
         let own: Vec<[f32; 3]> = own.chunks_exact(3).map(|n| [n[0], n[1], n[2]]).collect();
-        painted.normals = painted.spread(&own);
+        painted.texture.normals = painted.spread(&own);
         painted.fine = painted.cut();
         let [low, high] = mesh.extent().unwrap_or_default().map(Vec3::from_array);
         let size = mesh.diagonal() as f32;
@@ -55,12 +66,18 @@ impl Painted {
         let colour = |(&p, &n): (&[f32; 3], &[f32; 3])| {
             paint((Vec3::from_array(p) - (low + high) * 0.5) / size, Vec3::from_array(n).normalize_or_zero())
         };
-        painted.colours = places.iter().zip(&painted.normals).map(colour).collect();
+        painted.texture.colours = places.iter().zip(&painted.texture.normals).map(colour).collect();
         Ok(painted)
     }
 
-    /// The painted surface of a set of wavelets that is closed under parents.
-    pub fn on(&self, mesh: &WaveletMesh, shows: impl Fn(u32) -> bool) -> Result<Mesh, Box<dyn Error>> {
+    /// The painted surface of a set of wavelets that is closed under parents, and its colours, from where pixels span so much of it
+    /// (object units).
+    pub fn on(
+        &self,
+        mesh: &WaveletMesh,
+        shows: impl Fn(u32) -> bool,
+        pixel: f64,
+    ) -> Result<(Mesh, Vec<[u8; 3]>), Box<dyn Error>> {
         let mut places = mesh.vertices().positions().to_vec();
         for &(wavelet, vertex, ends) in &self.order {
             if !shows(wavelet) {
@@ -68,8 +85,37 @@ impl Painted {
                 places[vertex as usize] = ((a + b) * 0.5).to_array();
             }
         }
-        let normals = Attribute::floats(names::NORMAL, &self.normals);
-        Ok(Mesh::new(self.spread(&places), self.fine.clone())?.with_attribute(normals)?)
+        let of = mesh.subdivision();
+        let coarser = (pixel / self.texel).log2().ceil().clamp(0.0, of.depth() as f64) as usize;
+        let Texture { normals, colours } = &self.texture;
+        let (normals, colours) = if coarser > 0 && self.parts == 1 {
+            let up_to = of.wavelets_of(of.depth() - coarser).end;
+            let shades: Vec<[f32; 3]> = colours.iter().map(|colour| colour.map(f32::from)).collect();
+            let shades = self.filtered(shades, up_to);
+            (self.filtered(normals.clone(), up_to), shades.iter().map(|c| c.map(|x| x as u8)).collect())
+        } else {
+            (normals.clone(), colours.clone())
+        };
+        let normals = Attribute::floats(names::NORMAL, &normals);
+        Ok((Mesh::new(self.spread(&places), self.fine.clone())?.with_attribute(normals)?, colours))
+    }
+
+    /// Values without what is finer than the vertices of the first wavelets: means by hats, and between these in the middle of ends.
+    fn filtered(&self, values: Vec<[f32; 3]>, up_to: u32) -> Vec<[f32; 3]> {
+        let mut sums: Vec<(Vec3, f32)> = values.into_iter().map(|v| (Vec3::from_array(v), 1.0)).collect();
+        let finer = self.order.partition_point(|&(wavelet, ..)| wavelet < up_to);
+        for &(_, vertex, ends) in self.order[finer..].iter().rev() {
+            let (sum, weight) = sums[vertex as usize];
+            for end in ends {
+                let at = &mut sums[end as usize];
+                *at = (at.0 + sum * 0.5, at.1 + weight * 0.5);
+            }
+        }
+        for &(_, vertex, [a, b]) in &self.order[finer..] {
+            let [a, b] = [a, b].map(|end| sums[end as usize].0 / sums[end as usize].1);
+            sums[vertex as usize] = ((a + b) * 0.5, 1.0);
+        }
+        sums.into_iter().map(|(sum, weight)| (sum / weight).to_array()).collect()
     }
 
     /// Values at the points that triangles are cut at: the vertices' own where they are not cut.

@@ -63,9 +63,10 @@ impl Plates<'_> {
         pose: &Pose,
         size: [usize; 2],
     ) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
-        let colours = Colours::PerVertex(self.painted.colours.clone());
-        let surface = self.painted.on(self.mesh, shows)?;
-        Ok(render(&surface, &camera(pose), &options(size).with_colours(colours))?.pixels().to_vec())
+        let pixel = Pose::slopes()[1] * 2.0 / size[1] as f64 * (pose.eye - pose.target).length();
+        let (surface, colours) = self.painted.on(self.mesh, shows, pixel)?;
+        let options = options(size).with_colours(Colours::PerVertex(colours));
+        Ok(render(&surface, &camera(pose), &options)?.pixels().to_vec())
     }
 
     /// Full and adapted, each flat shaded and textured (Fig. 8).

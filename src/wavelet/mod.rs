@@ -12,10 +12,13 @@
 //! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
 //! | `bounds.rs` | what leaving a wavelet out can change |
+//! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
+//! | `truncate.rs` | the wavelets that change most, as many as fit |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
+//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
 mod bounds;
@@ -25,20 +28,25 @@ mod error;
 mod instance;
 mod mesh;
 mod options;
+mod parts;
 mod quadrisection;
 mod recognise;
 mod subdivision;
 mod surface;
 mod tally;
-#[cfg(feature = "serde")]
+mod transform;
+mod truncate;
 mod validate;
 mod vertices;
 
+pub use bounds::WaveletBounds;
 pub use builder::{Face, Midpoint, WaveletBuilder};
 pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
 pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
+pub use parts::WaveletParts;
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};
 pub use subdivision::Subdivision;
+pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};

@@ -21,12 +21,14 @@ use crate::mesh::NONE;
 pub(super) const MOST_FACES: usize = 1 << 28;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
+/// Most levels. Single precision tells the ends of an edge apart no longer than that, but right at the origin; and nothing that
+/// goes along levels takes long.
+pub(super) const MOST_LEVELS: usize = 64;
 /// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
 const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Side(pub(super) u32);
 
 impl Side {
@@ -54,7 +56,6 @@ impl Side {
 ///
 /// Memory: 8 bytes a wavelet and 12 a split face where all are split alike; 4 a split face and 3 bits a face more where not.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Subdivision {
     /// Vertices at the corners of every base face.
     pub(super) base: Vec<[u32; 3]>,
@@ -119,9 +120,15 @@ impl Subdivision {
         self.face_count() - self.split_count as usize
     }
 
+    /// Triangles at full resolution: one more for every face along the edge of a wavelet. O(wavelets).
+    pub fn triangle_count(&self) -> usize {
+        let second = self.along.iter().filter(|along| along[1] != Side::NONE).count();
+        self.base.len() + self.along.len() + second + self.more.len()
+    }
+
     /// The deepest level; 0 where nothing is split.
     pub fn depth(&self) -> usize {
-        self.levels.len() - 1
+        self.levels.len().saturating_sub(1)
     }
 
     /// Corners of a base face as vertices; `None` out of range.
