@@ -68,7 +68,10 @@ impl Seeds<'_> {
             let at = self.seams.binary_search_by_key(&(face << 2 | side as u32), |seam| seam[0]);
             at.map_or(NONE, |at| self.seams[at][1])
         };
-        let of = builder.finish(|_, face, side| key(face, side));
+        let of = match self.seams {
+            [] => builder.finish_without_seams(),
+            _ => builder.finish(|_, face, side| key(face, side)),
+        };
         expect("vertices", self.vertices, of.vertex_count())?;
         same("the wavelets along base face", self.sides, &sides(&of))?;
         same("the bits of split faces, word", self.split, &split(&of))?;
