@@ -280,11 +280,17 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
+    /// The subdivision, where every wavelet has one vertex.
+    pub fn finish_without_seams(self) -> Subdivision {
+        let mut done = self.done;
+        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        done
+    }
+
     /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
     /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
-        let mut done = self.done;
-        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        let mut done = self.finish_without_seams();
         let first = (done.base_vertices as usize + done.along.len()) as u32;
         let mut known: Vec<(K, u32)> = Vec::new();
         for wavelet in 0..done.along.len() as u32 {

@@ -272,9 +272,8 @@ impl Build {
 }
 
 /// What to do with a mesh that is no subdivision.
-const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; tools that subdivide triangles in four (Loop, \
-                       midpoint) make such meshes, as long as seams and materials follow the edges of the coarse one (--drop \
-                       leaves out attributes)";
+const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint), \
+                       or --drop attributes whose seams are in the way";
 
 /// Components that are listed for people; more are counted.
 const LISTED: usize = 12;
