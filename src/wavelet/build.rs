@@ -251,15 +251,29 @@ impl SubdivisionBuilder {
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize) -> K) -> Subdivision {
         let mut done = self.done;
         done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
-        let first = (done.base_vertices as usize + done.along.len()) as u32;
-        for wavelet in 0..done.along.len() as u32 {
-            let own = done.vertex_of(wavelet);
-            let sides: Vec<Side> = done.faces_along(wavelet).filter(|s| done.is_split(s.face())).collect();
-            let of = |side: &Side| key(&done, side.face(), side.side());
-            if sides.iter().all(|side| of(side) == of(&sides[0])) {
+        // Across a seam faces are split together.
+        done.tell_apart(|of, side| of.is_split(side.face()), key);
+        done
+    }
+}
+
+impl Subdivision {
+    /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. Where faces
+    /// that are not split are, each must have a key of its own, or that of all.
+    pub(super) fn tell_apart<K: PartialEq>(
+        &mut self,
+        looked_at: impl Fn(&Self, Side) -> bool,
+        key: impl Fn(&Self, u32, usize) -> K,
+    ) {
+        let first = (self.base_vertices as usize + self.along.len()) as u32;
+        for wavelet in 0..self.along.len() as u32 {
+            let own = self.vertex_of(wavelet);
+            let sides = || self.faces_along(wavelet).filter(|&side| looked_at(self, side));
+            let keys = || sides().map(|side| key(self, side.face(), side.side()));
+            if keys().skip(1).all(|k| Some(k) == keys().next()) {
                 continue;
             }
-            let keys: Vec<K> = sides.iter().map(of).collect();
+            let (sides, keys): (Vec<Side>, Vec<K>) = (sides().collect(), keys().collect());
             let mut vertices: Vec<u32> = vec![own; sides.len()];
             for at in 1..sides.len() {
                 let side = sides[at];
@@ -269,16 +283,17 @@ impl SubdivisionBuilder {
                 vertices[at] = match (1..at).find(|&earlier| keys[earlier] == keys[at]) {
                     Some(earlier) => vertices[earlier],
                     None => {
-                        done.doubles.push((wavelet, side));
-                        first + done.doubles.len() as u32 - 1
+                        self.doubles.push((wavelet, side));
+                        first + self.doubles.len() as u32 - 1
                     }
                 };
-                done.seams.push((side.face() << 2 | side.side() as u32, vertices[at]));
-                done.mark_seam(side.face(), side.side());
+                if self.is_split(side.face()) {
+                    self.seams.push((side.face() << 2 | side.side() as u32, vertices[at]));
+                    self.mark_seam(side.face(), side.side());
+                }
             }
         }
-        done.seams.sort_unstable();
-        done
+        self.seams.sort_unstable();
     }
 }
 

@@ -11,6 +11,9 @@
 //! | `subdivision.rs` | [`Subdivision`]: faces, wavelets, parents and children, most of it arithmetic |
 //! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
+//! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
+//! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
+//! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
 //! | `bounds.rs` | what leaving a wavelet out can change |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
@@ -18,15 +21,19 @@
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
+mod atlas;
 mod bounds;
 mod build;
 mod builder;
+mod charts;
+mod domain;
 mod error;
 mod instance;
 mod mesh;
 mod options;
 mod quadrisection;
 mod recognise;
+mod sampler;
 mod subdivision;
 mod surface;
 mod tally;
@@ -34,11 +41,14 @@ mod tally;
 mod validate;
 mod vertices;
 
+pub use atlas::{Atlas, AtlasOptions, ChartSize};
 pub use builder::{Face, Midpoint, WaveletBuilder};
+pub use domain::DomainPoint;
 pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
 pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise};
+pub use sampler::{SurfacePoint, SurfaceSampler};
 pub use subdivision::Subdivision;

@@ -81,7 +81,8 @@ pub struct Subdivision {
     pub(super) more: Vec<(u32, Side)>,
     /// Sides on seams (without direction) and the vertices at their midpoints, ascending.
     pub(super) seams: Vec<(u32, u32)>,
-    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending.
+    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending. Where that
+    /// is the side of a face that is not split, the vertex is at no other.
     pub(super) doubles: Vec<(u32, Side)>,
 }
 
@@ -243,10 +244,19 @@ impl Subdivision {
     /// The vertex that a wavelet's midpoint is as seen from a side of a face along its edge.
     #[inline]
     pub(super) fn vertex_at(&self, wavelet: u32, face: u32, side: usize) -> u32 {
-        if !self.seams.is_empty() && self.is_split(face) {
+        if self.doubles.is_empty() {
+            return self.base_vertices + wavelet;
+        }
+        if self.is_split(face) {
             return self.midpoint(face, self.rank(face), side);
         }
-        self.base_vertices + wavelet
+        let mut doubles = self.doubles_of(wavelet);
+        let first = self.base_vertices + self.along.len() as u32;
+        let is_at = |&double: &u32| {
+            let at = self.doubles[(double - first) as usize].1;
+            at.face() == face && at.side() == side
+        };
+        doubles.find(is_at).unwrap_or(self.base_vertices + wavelet)
     }
 
     /// The wavelet on a side of a split face.
@@ -272,6 +282,11 @@ impl Subdivision {
     pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
+    }
+
+    /// Lets all sides' midpoints be their wavelets' own vertices.
+    pub(super) fn forget_seams(&mut self) {
+        self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
 
     /// The wavelet on an edge inside a split face, from `m_i` to `m_(i+1)`, or `NONE`.
@@ -397,11 +412,50 @@ impl Subdivision {
     /// range. O(1) on average.
     pub fn ends(&self, vertex: u32) -> Option<[u32; 2]> {
         let at = vertex.checked_sub(self.base_vertices)? as usize;
-        let along = match self.along.get(at) {
-            Some(along) => along[0],
-            None => self.doubles.get(at - self.along.len())?.1,
-        };
-        Some(self.side_ends(along))
+        match self.along.get(at) {
+            Some(along) => Some(self.side_ends(along[0])),
+            None => {
+                let &(wavelet, along) = self.doubles.get(at - self.along.len())?;
+                Some(self.ends_beside(wavelet, along))
+            }
+        }
+    }
+
+    /// The ends of a wavelet's edge as seen from a side that it is on, which may reach farther. O(level).
+    fn ends_beside(&self, wavelet: u32, side: Side) -> [u32; 2] {
+        let mut ends = [NONE; 2];
+        for (whole, half) in self.wholes(wavelet, side.face()) {
+            let end = &mut ends[1 - half];
+            if *end == NONE {
+                *end = self.vertex_at(whole, side.face(), side.side());
+            }
+            if !ends.contains(&NONE) {
+                return ends;
+            }
+        }
+        let far = self.side_ends(side);
+        [0, 1].map(|end| if ends[end] == NONE { far[end] } else { ends[end] })
+    }
+
+    /// The wavelets whose edges a wavelet's is a part of, from the next coarser one on, each with the half that the one before
+    /// it is; down to the level that a face is split to, or would be. Edges of one direction all.
+    pub(super) fn wholes(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let start = self.face_levels[self.level_of_face(face) + 1];
+        let mut along = self.along[wavelet as usize][0];
+        std::iter::from_fn(move || {
+            if along.face() < start {
+                return None;
+            }
+            let (parent, rank, child) = self.parent(along.face())?;
+            let (side, half) = match (child, along.side()) {
+                (3, _) | (_, 1) => return None,
+                (corner, 0) => (corner, 0),
+                (corner, _) => ((corner + 2) % 3, 1),
+            };
+            let half = half ^ usize::from(along.against());
+            along = Side::new(parent, side, along.against());
+            Some((self.sides[rank][side] & !SEAM, half))
+        })
     }
 
     /// The vertices at the ends of a side, in the direction of the edge.
