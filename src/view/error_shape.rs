@@ -37,28 +37,55 @@ impl ErrorShape {
     /// Source: Azuma et al. 2003 (View-dependent refinement of multiresolution meshes with subdivision connectivity), Eq. 3, for
     /// the ratio.
     pub fn fit(self, vectors: impl Iterator<Item = (f64, f64)> + Clone) -> [f32; 2] {
-        let vectors = vectors.map(|(h, t)| (number(h), number(t)));
-        let (high, wide) =
-            vectors.clone().fold((0.0, 0.0), |(high, wide), (h, t)| (h.max(high), t.max(wide)));
+        let [high, wide] = vectors.clone().fold([0.0, 0.0], Fit::span);
+        let fit = Fit { shape: self, high, wide };
+        fit.sizes(vectors.map(|vector| fit.size(vector)).fold(0.0, f64::max))
+    }
+}
+
+/// The two passes of [`ErrorShape::fit`], for vectors that are searched rather than listed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fit {
+    pub shape: ErrorShape,
+    /// The largest part along the axis of any vector, and across it: what [`Fit::span`] finds.
+    pub high: f64,
+    pub wide: f64,
+}
+
+impl Fit {
+    /// With one more vector.
+    #[inline]
+    pub fn span([high, wide]: [f64; 2], (h, t): (f64, f64)) -> [f64; 2] {
+        [number(h).max(high), number(t).max(wide)]
+    }
+
+    /// How large a shape of the ratio must be to hold a vector. Grows with both parts.
+    #[inline]
+    pub fn size(&self, (h, t): (f64, f64)) -> f64 {
+        let Self { high, wide, .. } = *self;
+        let (h, t) = (number(h), number(t));
         if wide <= 0.0 {
-            return [round_up(high), 0.0];
+            return h;
         }
-        let [along, across] = match self {
-            Self::Spheroid if high <= 0.0 => [0.0, wide],
-            Self::Spheroid => {
-                let across = vectors.map(|(h, t)| (h * (wide / high)).hypot(t)).fold(0.0, f64::max);
-                [across * (high / wide), across]
-            }
-            Self::SphereAndCones if high <= wide => {
-                let radius = vectors.map(|(h, t)| h.hypot(t)).fold(0.0, f64::max);
-                [radius, radius]
-            }
-            Self::SphereAndCones => {
-                // The flanks' normal, which leads to where they touch.
-                let normal = flank(high, wide);
-                let radius = vectors.map(|v| flank_radius(v, normal)).fold(0.0, f64::max);
-                [radius * (high / wide), radius]
-            }
+        match self.shape {
+            ErrorShape::Spheroid if high <= 0.0 => t,
+            ErrorShape::Spheroid => (h * (wide / high)).hypot(t),
+            ErrorShape::SphereAndCones if high <= wide => h.hypot(t),
+            // The flanks' normal, which leads to where they touch.
+            ErrorShape::SphereAndCones => flank_radius((h, t), flank(high, wide)),
+        }
+    }
+
+    /// Half-lengths of the shape of the largest of these sizes.
+    pub fn sizes(&self, size: f64) -> [f32; 2] {
+        let Self { high, wide, .. } = *self;
+        if wide <= 0.0 {
+            return [round_up(size), 0.0];
+        }
+        let [along, across] = match self.shape {
+            ErrorShape::Spheroid if high <= 0.0 => [0.0, size],
+            ErrorShape::SphereAndCones if high <= wide => [size, size],
+            _ => [size * (high / wide), size],
         };
         [round_up(along), round_up(across)]
     }
