@@ -90,8 +90,21 @@ proptest! {
         let wide = vectors.iter().map(|v| parts(v).1).fold(0.0, f64::max);
         let (a, b) = (f64::from(made.along), f64::from(made.across));
         prop_assert!(a >= high * (1.0 - 1e-6) && b >= 0.0 && (b + 1e-12 >= wide * (1.0 - 1e-6) || !spheroid || flat == 1));
-        if flat == 2 && vectors.len() > 1 && (spheroid || high > wide) {
-            prop_assert!((a * wide - b * high).abs() <= 1e-5 * a * wide, "{a} {b} {high} {wide}");
+        if flat == 2 && vectors.len() > 1 && high > wide {
+            let ratio = high / wide;
+            if spheroid {
+                // Between a ball and the ratio of the largest parts; and it looks no larger than either.
+                prop_assert!(a >= b * (1.0 - 1e-6) && a <= b * ratio * (1.0 + 1e-6), "{a} {b} {ratio}");
+                let looks = |a: f64, b: f64| b * b / 3.0 + a * a * 2.0 / 3.0;
+                let across = vectors.iter().map(|v| (parts(v).0 / ratio).hypot(parts(v).1)).fold(0.0, f64::max);
+                let radius = vectors.iter().map(|v| length(*v)).fold(0.0, f64::max);
+                prop_assert!(looks(a, b) <= looks(across * ratio, across).min(looks(radius, radius)) * (1.0 + 1e-5));
+            } else {
+                prop_assert!((a * wide - b * high).abs() <= 1e-5 * a * wide, "{a} {b} {high} {wide}");
+            }
+        }
+        if flat == 2 && high <= wide && high > 0.0 {
+            prop_assert!(a == b, "oblate: {a} {b}");
         }
         // Out of a convex shape where a direction separates it; of all directions in the vector's plane, those of flanks too.
         let outside = |bounds: &DeviationBounds, v: &V, room: f64| {

@@ -188,6 +188,7 @@ impl Front {
             for (wheel, run) in wheels.iter_mut().zip(runs) {
                 wheel.advance(run, next, &mut wake);
             }
+            work.sort_unstable_by(|a, b| b.cmp(a));
             return;
         }
         // No answer holds.

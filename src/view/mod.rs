@@ -6,7 +6,7 @@
 //! | `look_at.rs` | [`look_at`]: the matrix of a camera that looks at a point |
 //! | `object.rs` | [`ObjectView`]: the same in the space of one object, as tests need it |
 //! | `bounds.rs` | [`Bounds`]: what a refinement can change: a sphere, a cone of normals, an error |
-//! | `deviation.rs` | [`DeviationBounds`]: the same with errors that are larger along the normal than across it, or the other way round |
+//! | `deviation.rs` | [`DeviationBounds`]: the same with errors that have a direction |
 //! | `error_shape.rs` | [`ErrorShape`]: spheroids, and spheres with cones, around error vectors |
 //! | `region.rs` | the sphere and the cone that bounds of all kinds have |
 //! | `seen.rs` | how bounds look from an eye |

@@ -204,11 +204,16 @@ impl<'a> Grounds<'a> {
             .with_cone(axis.unwrap_or(DVec3::ZERO).to_array(), wide + WIDER);
 
         // The shape is about the axis as it is stored.
-        let search = Search { grounds: self, wavelet, axis: bounds.axis().map(DVec3::from_array), finer: &finer };
+        let search =
+            Search { grounds: self, wavelet, axis: bounds.axis().map(DVec3::from_array), finer: &finer };
         [bounds.along, bounds.across] = search.fit();
         // Without an axis a ball.
         if search.axis.is_none() {
             bounds.across = bounds.along;
+        }
+        if of.torn.binary_search(&wavelet).is_ok() {
+            // Without it attributes are smeared across a seam, which has no measure.
+            (bounds.along, bounds.across) = (f32::MAX, f32::MAX);
         }
         for (child, _) in of.spokes(wavelet) {
             bounds.hold_errors_of(&finer(child).unpack(centre, shape));
@@ -244,14 +249,16 @@ impl<F: Fn(u32) -> Packed> Search<'_, F> {
             |[h, t]| h * CAUTION > span.get()[0] || t * CAUTION > span.get()[1],
             |[h, t]| span.set(Fit::span(span.get(), (h, t))),
         );
-        let [high, wide] = span.get();
-        let fit = Fit { shape, high, wide };
-        let size = Cell::new(0.0_f64);
+        let fit = Cell::new(Fit::new(shape, span.get()));
         self.run(
-            |[h, t]| fit.size((h * CAUTION, t * CAUTION)) > size.get(),
-            |[h, t]| size.set(fit.size((h, t)).max(size.get())),
+            |[h, t]| fit.get().grows_by((h * CAUTION, t * CAUTION)),
+            |[h, t]| {
+                let mut with = fit.get();
+                with.add((h, t));
+                fit.set(with);
+            },
         );
-        fit.sizes(size.get())
+        fit.get().sizes()
     }
 
     /// Visits errors, leaving out those that are no larger than what is not `worth` looking at.
@@ -347,7 +354,8 @@ impl<F: Fn(u32) -> Packed> Search<'_, F> {
         while let Some((face, so_far)) = stack.pop() {
             if of.is_split(face) {
                 if worth(add(so_far, self.most_within(face))) {
-                    let sum = add(so_far, of.sides_of_split(face).map(parts).into_iter().fold([0.0; 2], most));
+                    let sum =
+                        add(so_far, of.sides_of_split(face).map(parts).into_iter().fold([0.0; 2], most));
                     (0..4).for_each(|child| stack.push((of.child(face, child), sum)));
                 }
                 continue;
@@ -357,7 +365,9 @@ impl<F: Fn(u32) -> Packed> Search<'_, F> {
             if !of.is_uniform() {
                 for side in [0, 1, 2].map(|side| of.side(face, side).0) {
                     beside = if side == self.wavelet {
-                        of.halves(side).into_iter().fold(beside, |b, half| most(b, grounds.beside(half, &parts)))
+                        of.halves(side)
+                            .into_iter()
+                            .fold(beside, |b, half| most(b, grounds.beside(half, &parts)))
                     } else {
                         most(beside, grounds.beside(side, &parts))
                     };

@@ -246,54 +246,85 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
-    /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart: sides along one edge with the
-    /// same key share one.
-    pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize) -> K) -> Subdivision {
+    /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
+    /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
+    pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
         let mut done = self.done;
         done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
         // Across a seam faces are split together.
-        done.tell_apart(|of, side| of.is_split(side.face()), key);
+        done.tell_apart(|of, along| of.is_split(along.face()), key);
         done
     }
 }
 
 impl Subdivision {
-    /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. Where faces
-    /// that are not split are, each must have a key of its own, or that of all.
+    /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. A face that is
+    /// not split has the key of the first side, or one that no other has.
     pub(super) fn tell_apart<K: PartialEq>(
         &mut self,
         looked_at: impl Fn(&Self, Side) -> bool,
-        key: impl Fn(&Self, u32, usize) -> K,
+        key: impl Fn(&Self, u32, usize, Part) -> K,
     ) {
         let first = (self.base_vertices as usize + self.along.len()) as u32;
+        let mut known: Vec<(K, u32)> = Vec::new();
         for wavelet in 0..self.along.len() as u32 {
-            let own = self.vertex_of(wavelet);
-            let sides = || self.faces_along(wavelet).filter(|&side| looked_at(self, side));
-            let keys = || sides().map(|side| key(self, side.face(), side.side()));
-            if keys().skip(1).all(|k| Some(k) == keys().next()) {
-                continue;
-            }
-            let (sides, keys): (Vec<Side>, Vec<K>) = (sides().collect(), keys().collect());
-            let mut vertices: Vec<u32> = vec![own; sides.len()];
-            for at in 1..sides.len() {
-                let side = sides[at];
-                if keys[at] == keys[0] {
+            known.clear();
+            let sides: Vec<Side> = self.faces_along(wavelet).filter(|&side| looked_at(self, side)).collect();
+            let mut torn = false;
+            for along in sides {
+                let (face, side) = (along.face(), along.side());
+                let vertices = Part::ALL.map(|part| {
+                    let key = key(self, face, side, part);
+                    let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
+                        let own = if known.is_empty() {
+                            self.vertex_of(wavelet)
+                        } else {
+                            self.doubles.push((wavelet, along));
+                            first + self.doubles.len() as u32 - 1
+                        };
+                        known.push((key, own));
+                        known.len() - 1
+                    });
+                    known[at].1
+                });
+                if !self.is_split(face) {
                     continue;
                 }
-                vertices[at] = match (1..at).find(|&earlier| keys[earlier] == keys[at]) {
-                    Some(earlier) => vertices[earlier],
-                    None => {
-                        self.doubles.push((wavelet, side));
-                        first + self.doubles.len() as u32 - 1
+                torn |= vertices.iter().any(|&vertex| vertex != vertices[0]);
+                for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
+                    if vertex != self.vertex_of(wavelet) {
+                        let (child, corner) = part.corner(side);
+                        self.seams.push((self.child(face, child) << 2 | corner as u32, vertex));
+                        self.mark_seam(face, side);
                     }
-                };
-                if self.is_split(side.face()) {
-                    self.seams.push((side.face() << 2 | side.side() as u32, vertices[at]));
-                    self.mark_seam(side.face(), side.side());
                 }
+            }
+            if torn {
+                self.torn.push(wavelet);
             }
         }
         self.seams.sort_unstable();
+    }
+}
+
+/// Children of a split face that meet at the midpoint of a side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    First,
+    Second,
+    Centre,
+}
+
+impl Part {
+    pub const ALL: [Self; 3] = [Self::First, Self::Second, Self::Centre];
+
+    /// The child, and its corner at the midpoint of that side.
+    pub fn corner(self, side: usize) -> (usize, usize) {
+        match self {
+            Self::First => (side, 1),
+            Self::Second => ((side + 1) % 3, 2),
+            Self::Centre => (3, side),
+        }
     }
 }
 

@@ -126,7 +126,7 @@ impl WaveletBuilder {
     pub fn build(self, options: &WaveletOptions) -> Result<WaveletMesh, WaveletError> {
         let Self { builder, base, mut positions } = self;
         // Sides of a seam have vertices of their own: told apart by the vertices at their ends.
-        let subdivision = builder.finish(seam_key);
+        let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
         for double in &subdivision.doubles {
             positions.push(positions[subdivision.vertex_of(double.0) as usize]);
         }

@@ -13,6 +13,7 @@
 //! Whatever is given on the base (a texture, say) is given on every set of wavelets by these.
 
 use super::Subdivision;
+use super::build::Part;
 use super::subdivision::Side;
 
 /// A point of the base.
@@ -88,13 +89,24 @@ impl Subdivision {
         let on_sides = wavelet.into_iter().flat_map(move |wavelet| {
             let sides = self.faces_along(wavelet);
             sides.filter_map(move |side| {
-                let is_there = self.vertex_at(wavelet, side.face(), side.side()) == vertex;
-                let point = is_there.then(|| self.domain_beside(wavelet, side))?;
+                let point = self.is_at(vertex, wavelet, side).then(|| self.domain_beside(wavelet, side))?;
                 // Inside base faces all sides say the same.
                 (last.replace(point) != Some(point)).then_some(point)
             })
         });
         at_corners.chain(on_sides)
+    }
+
+    /// Whether a vertex is what a wavelet's midpoint is on a side of a face, for a part of it at least.
+    fn is_at(&self, vertex: u32, wavelet: u32, along: Side) -> bool {
+        let (face, side) = (along.face(), along.side());
+        if self.doubles.is_empty() || !self.is_split(face) {
+            return self.vertices_at(wavelet, face, side)[0] == vertex;
+        }
+        Part::ALL.into_iter().any(|part| {
+            let (child, corner) = part.corner(side);
+            self.corner(self.child(face, child), corner) == vertex
+        })
     }
 
     /// Where the midpoint of a wavelet's edge is on a side that the edge is on.

@@ -5,9 +5,9 @@ use crate::mesh::{Mesh, NONE, Topology};
 use crate::view::DeviationBounds;
 
 use super::bounds::{Packed, bounds};
-use super::build::SubdivisionBuilder;
+use super::build::{Part, SubdivisionBuilder};
 use super::quadrisection::Quadrisection;
-use super::recognise::{Component, recognise};
+use super::recognise::{Component, recognise_across_seams};
 use super::surface::Surface;
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
@@ -42,12 +42,14 @@ impl WaveletMesh {
     pub const KIND: &'static str = "wavelet";
 
     /// A mesh that is a four-to-one subdivision of a coarser one, if not everywhere then in some of its components. The coarsest
-    /// such mesh is found; seams of attributes and borders of materials may only run along its edges. O(n x levels).
+    /// such mesh is found; borders of materials may only run along its edges. Attribute seams too where that is all the same;
+    /// where they run inside its faces, these are drawn split wherever they are in view, so that nothing is smeared across. O(n x
+    /// levels).
     ///
     /// # Errors
     /// No component is such a subdivision: [`WaveletError::NoConnectivity`] says why. Or too many faces or materials.
     pub fn recognise(mesh: &Mesh, options: &WaveletOptions) -> Result<Self, WaveletError> {
-        let found = recognise(mesh);
+        let found = recognise_across_seams(mesh);
         if found.quadrisection.levels() == 0 {
             return Err(WaveletError::NoConnectivity { reason: refusal(&found.components) });
         }
@@ -67,13 +69,11 @@ impl WaveletMesh {
         // Corners of all faces as corners of the input, from the finest to the coarsest.
         let split_count = split.iter().filter(|split| **split).count();
         let mut corners = vec![[NONE; 3]; split.len()];
-        let mut midpoints = vec![[NONE; 3]; split_count];
         let mut rank = split_count;
         for face in (0..split.len()).rev() {
             corners[face] = if split[face] {
                 rank -= 1;
                 let children = &corners[base_count + 4 * rank..][..3];
-                midpoints[rank] = [0, 1, 2].map(|k| children[k][1]);
                 [0, 1, 2].map(|k| children[k][0])
             } else {
                 let (triangle, turn) = (leaves[face] / 3, leaves[face] % 3);
@@ -108,7 +108,8 @@ impl WaveletMesh {
                     return [NONE; 3];
                 }
                 next += 1;
-                midpoints[next - 1].map(point)
+                let children = &corners[base_count + 4 * (next - 1)..][..3];
+                [0, 1, 2].map(|k| point(children[k][1]))
             })
             .collect();
         let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
@@ -121,18 +122,23 @@ impl WaveletMesh {
         let mut rank_of = vec![NONE; split.len()];
         let ranks = (0..split.len()).filter(|&face| split[face]).zip(0..);
         ranks.for_each(|(face, rank)| rank_of[face] = rank);
-        let key = |face: u32, side: usize| wedge(midpoints[rank_of[face as usize] as usize][side]);
-        let subdivision = builder.finish(|_, face, side| key(face, side));
+        let key = |face: u32, side: usize, part: Part| {
+            let (child, corner) = part.corner(side);
+            wedge(corners[base_count + 4 * rank_of[face as usize] as usize + child][corner])
+        };
+        let subdivision = builder.finish(|_, face, side, part| key(face, side, part));
         if subdivision.split_count as usize != split_count {
             return Err(WaveletError::Invalid { what: "seams run beside the edges of the base", at: 0 });
         }
-        for vertex in order.len() as u32..subdivision.vertex_count() as u32 {
-            let at = (vertex - subdivision.base_vertices) as usize;
-            let side = match subdivision.along.get(at) {
-                Some(along) => along[0],
-                None => subdivision.doubles[at - subdivision.along.len()].1,
-            };
-            order.push(key(side.face(), side.side()));
+        order.resize(subdivision.vertex_count(), NONE);
+        for wavelet in 0..subdivision.wavelet_count() as u32 {
+            for along in subdivision.faces_along(wavelet) {
+                for part in Part::ALL {
+                    let (child, corner) = part.corner(along.side());
+                    let vertex = subdivision.corner(subdivision.child(along.face(), child), corner);
+                    order[vertex as usize] = key(along.face(), along.side(), part);
+                }
+            }
         }
         let material = |face: usize| {
             let mut face = face;

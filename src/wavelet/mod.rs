@@ -49,6 +49,6 @@ pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
 pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
 pub use quadrisection::Quadrisection;
-pub use recognise::{Component, Recognition, Stop, recognise};
+pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};
 pub use sampler::{SurfacePoint, SurfaceSampler};
 pub use subdivision::Subdivision;

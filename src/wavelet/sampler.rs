@@ -53,7 +53,7 @@ impl WaveletMesh {
 fn within(of: &Subdivision, face: u32, vertex: u32) -> [f64; 3] {
     let side = of.wavelet_of(vertex).and_then(|wavelet| {
         let mut sides = of.faces_along(wavelet).filter(|side| side.face() == face);
-        sides.find(|side| of.vertex_at(wavelet, face, side.side()) == vertex).map(|side| (wavelet, side))
+        sides.find(|side| of.vertices_at(wavelet, face, side.side())[0] == vertex).map(|side| (wavelet, side))
     });
     match side {
         Some((wavelet, side)) => {

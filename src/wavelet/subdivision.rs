@@ -21,7 +21,7 @@ use crate::mesh::NONE;
 pub(super) const MOST_FACES: usize = 1 << 28;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
-/// Marks a side whose midpoint is another vertex than the wavelet's own: it lies on a seam.
+/// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
 const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
@@ -79,8 +79,11 @@ pub struct Subdivision {
     pub(super) along: Vec<[Side; 2]>,
     /// Further faces: wavelet and side, ascending.
     pub(super) more: Vec<(u32, Side)>,
-    /// Sides on seams (without direction) and the vertices at their midpoints, ascending.
+    /// Corners of children (`4 * face + corner`) at midpoints on seams and the vertices there, where these are not the
+    /// wavelets' own; ascending.
     pub(super) seams: Vec<(u32, u32)>,
+    /// Wavelets at whose midpoints children of one face have several vertices: a seam runs inside it. Ascending.
+    pub(super) torn: Vec<u32>,
     /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending. Where that
     /// is the side of a face that is not split, the vertex is at no other.
     pub(super) doubles: Vec<(u32, Side)>,
@@ -218,7 +221,9 @@ impl Subdivision {
                 (child, 1) => child,
                 (child, _) => (child + 2) % 3,
             };
-            return self.midpoint(parent, rank, side);
+            let wavelet = self.sides[rank][side];
+            let own = self.base_vertices + (wavelet & !SEAM);
+            return if wavelet & SEAM == 0 { own } else { self.seam_vertex(face, corner).unwrap_or(own) };
         }
     }
 
@@ -228,35 +233,29 @@ impl Subdivision {
         [0, 1, 2].map(|corner| self.corner(face, corner))
     }
 
-    /// The vertex at the midpoint of a side of a split face with that rank.
-    #[inline]
-    fn midpoint(&self, face: u32, rank: usize, side: usize) -> u32 {
-        let wavelet = self.sides[rank][side];
-        if wavelet & SEAM == 0 { self.base_vertices + wavelet } else { self.seam_vertex(face, side) }
-    }
-
     #[cold]
-    fn seam_vertex(&self, face: u32, side: usize) -> u32 {
-        let at = self.seams.binary_search_by_key(&(face << 2 | side as u32), |seam| seam.0);
-        at.map_or(0, |at| self.seams[at].1)
+    fn seam_vertex(&self, face: u32, corner: usize) -> Option<u32> {
+        let at = self.seams.binary_search_by_key(&(face << 2 | corner as u32), |seam| seam.0);
+        at.ok().map(|at| self.seams[at].1)
     }
 
-    /// The vertex that a wavelet's midpoint is as seen from a side of a face along its edge.
+    /// The vertices that a wavelet's midpoint is on a side of a face along its edge, as seen from its first half and from its
+    /// second: one, but where a seam runs inside the face.
     #[inline]
-    pub(super) fn vertex_at(&self, wavelet: u32, face: u32, side: usize) -> u32 {
+    pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
+        let own = self.base_vertices + wavelet;
         if self.doubles.is_empty() {
-            return self.base_vertices + wavelet;
+            return [own; 2];
         }
         if self.is_split(face) {
-            return self.midpoint(face, self.rank(face), side);
+            return [(side, 1), ((side + 1) % 3, 2)]
+                .map(|(child, k)| self.corner(self.child(face, child), k));
         }
-        let mut doubles = self.doubles_of(wavelet);
-        let first = self.base_vertices + self.along.len() as u32;
         let is_at = |&double: &u32| {
-            let at = self.doubles[(double - first) as usize].1;
+            let at = self.doubles[double as usize - self.base_vertices as usize - self.along.len()].1;
             at.face() == face && at.side() == side
         };
-        doubles.find(is_at).unwrap_or(self.base_vertices + wavelet)
+        [self.doubles_of(wavelet).find(is_at).unwrap_or(own); 2]
     }
 
     /// The wavelet on a side of a split face.
@@ -278,7 +277,7 @@ impl Subdivision {
         sides.into_iter().filter(move |_| yes)
     }
 
-    /// Notes that a side's midpoint is another vertex than its wavelet's own.
+    /// Notes that a side's midpoint is not the wavelet's own vertex for all children.
     pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
@@ -286,6 +285,7 @@ impl Subdivision {
 
     /// Lets all sides' midpoints be their wavelets' own vertices.
     pub(super) fn forget_seams(&mut self) {
+        (self.seams, self.torn, self.doubles) = (Vec::new(), Vec::new(), Vec::new());
         self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
 
@@ -427,7 +427,7 @@ impl Subdivision {
         for (whole, half) in self.wholes(wavelet, side.face()) {
             let end = &mut ends[1 - half];
             if *end == NONE {
-                *end = self.vertex_at(whole, side.face(), side.side());
+                *end = self.vertices_at(whole, side.face(), side.side())[0];
             }
             if !ends.contains(&NONE) {
                 return ends;
@@ -498,6 +498,7 @@ impl Subdivision {
             + size_of_val(&self.along[..])
             + size_of_val(&self.more[..])
             + size_of_val(&self.seams[..])
+            + size_of_val(&self.torn[..])
             + size_of_val(&self.doubles[..])
     }
 }

@@ -187,7 +187,8 @@ impl Surface {
             Some(i) => {
                 // A quadrilateral from m_i to c_(i+1), c_(i+2), m_(i+2).
                 let [j, k] = [(i + 1) % 3, (i + 2) % 3];
-                let [near, far] = [i, k].map(|side| of.vertex_at(of.side_of_split(face, side), face, side));
+                let at = |side: usize| of.vertices_at(of.side_of_split(face, side), face, side);
+                let (near, far) = (at(i)[1], at(k)[0]);
                 let start = edge(of.child(face, j), 2);
                 let end = edge(of.child(face, k), 0);
                 let inside = edge(of.child(face, 3), k);
@@ -318,10 +319,10 @@ fn cut_all(
         };
         let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
         let [edge, next, last] = [0, 1, 2].map(|i| edges[(k + i) % 3]);
-        let middle = of.vertex_at(edge.wavelet, edge.face, edge.side);
+        let middle = of.vertices_at(edge.wavelet, edge.face, edge.side);
         let [first, second] = halves(of, &edge);
-        stack.push(([a, middle, c], [first, Edge::BARE, last]));
-        stack.push(([middle, b, c], [second, next, Edge::BARE]));
+        stack.push(([a, middle[0], c], [first, Edge::BARE, last]));
+        stack.push(([middle[1], b, c], [second, next, Edge::BARE]));
     }
 }
 

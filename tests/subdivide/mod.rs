@@ -1,6 +1,8 @@
 //! Triangles by point numbers, to subdivide, roll up and shuffle them. Positions mean nothing but which point it is.
 #![allow(dead_code)]
 
+pub mod check;
+
 use std::collections::BTreeMap;
 
 use multires::mesh::{Attribute, Mesh, Topology, names};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use multires::adapt::{Blend, LevelOfDetail};
 use multires::mesh::{Mesh, shapes};
-use multires::view::{View, look_at};
+use multires::view::{Answer, Criterion, DeviationBounds, Motion, View, look_at};
 use multires::wavelet::{Face, Midpoint, WaveletBuilder, WaveletLod, WaveletMesh, WaveletOptions};
 
 /// A number from 0 to 1 that looks random.
@@ -147,4 +147,59 @@ pub fn view(mesh: &WaveletMesh, seed: u64, tolerance: f32) -> View {
 pub fn instance(mesh: &Arc<WaveletMesh>, drawing: &multires::wavelet::Drawing) -> WaveletLod<[f32; 3]> {
     let positions: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
     WaveletLod::new(Arc::clone(mesh), positions, drawing).unwrap()
+}
+
+/// Needs what it is told, as a set closed under parents; knows wavelets by where they are.
+#[derive(Clone)]
+pub struct Given {
+    of_place: BTreeMap<[u32; 3], bool>,
+    pub seen: bool,
+}
+
+impl Given {
+    /// The closure of a random set. Places must differ.
+    pub fn random(mesh: &WaveletMesh, seed: u64, share: f64) -> Self {
+        Self::new(mesh, |wavelet| hash(u64::from(wavelet) + 1, seed) < share)
+    }
+
+    pub fn new(mesh: &WaveletMesh, asked: impl Fn(u32) -> bool) -> Self {
+        let set = mesh.closure(asked);
+        let place = |wavelet: usize| {
+            let vertex = mesh.subdivision().vertex_of(wavelet as u32);
+            mesh.vertices().positions()[vertex as usize].map(f32::to_bits)
+        };
+        let of_place: BTreeMap<_, _> = set.iter().enumerate().map(|(w, &asked)| (place(w), asked)).collect();
+        assert_eq!(of_place.len(), set.len(), "two wavelets at one place");
+        Self { of_place, seen: true }
+    }
+}
+
+impl Criterion<DeviationBounds> for Given {
+    fn needs(&self, bounds: &DeviationBounds) -> Answer {
+        Answer::once(self.of_place[&bounds.centre.map(f32::to_bits)])
+    }
+
+    fn motion(&self, _: &Self) -> Motion {
+        Motion::Other
+    }
+
+    fn sees(&self, _: &DeviationBounds) -> bool {
+        self.seen
+    }
+}
+
+/// Where every vertex of the full resolution is on the surface that is drawn: its own place on the way, or the middle of its
+/// ends where it is not drawn.
+pub fn on_surface(mesh: &WaveletMesh, value: impl Fn(u32) -> Option<[f32; 3]>) -> Vec<[f64; 3]> {
+    let of = mesh.subdivision();
+    let mut places: Vec<[f64; 3]> = Vec::new();
+    for vertex in 0..of.vertex_count() as u32 {
+        let ends = of.ends(vertex).map(|ends| ends.map(|end| places[end as usize]));
+        let place = value(vertex).map(|x| x.map(f64::from));
+        places.push(place.unwrap_or_else(|| {
+            let [a, b] = ends.unwrap();
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+        }));
+    }
+    places
 }

@@ -131,7 +131,7 @@ impl Group {
                 return Err(Stop::Material { triangle: triangle_of(child) });
             }
         }
-        for k in 0..3 {
+        for k in 0..if surface.across_seams { 0 } else { 3 } {
             let midpoint = self.corner(complex, 3, k as u32);
             let before = self.corner(complex, k, 1);
             let after = self.corner(complex, (k + 1) % 3, 2);
@@ -173,7 +173,7 @@ impl Sides {
         Self { mate: vec![NONE; edges], coarse: vec![NONE; edges], count: 0 }
     }
 
-    /// The coarse edge of two halves; none where one of them belongs to another.
+    /// The coarse edge of two halves; none where they have other mates. Mates are each other's.
     fn join(&mut self, [a, b]: [u32; 2]) -> Option<u32> {
         let [i, j] = [a as usize, b as usize];
         if self.mate[i] == NONE && self.mate[j] == NONE {
@@ -181,6 +181,6 @@ impl Sides {
             (self.coarse[i], self.coarse[j]) = (self.count, self.count);
             self.count += 1;
         }
-        (self.mate[i] == b && self.mate[j] == a).then_some(self.coarse[i])
+        (self.mate[i] == b).then_some(self.coarse[i])
     }
 }

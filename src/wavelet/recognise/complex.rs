@@ -12,11 +12,14 @@
 use crate::mesh::NONE;
 
 /// What all levels of all components share.
+#[derive(Clone, Copy)]
 pub(super) struct Surface<'a> {
     /// The point of every input vertex.
     pub point_of: &'a [u32],
     /// Per input triangle, or empty.
     pub materials: &'a [u32],
+    /// Whether seams may be inside coarse faces.
+    pub across_seams: bool,
 }
 
 impl Surface<'_> {
