@@ -428,7 +428,8 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     }
     let mut all = std::mem::take(&mut mesh.bounds);
     let of = mesh.subdivision();
-    let wavelets = wavelets_over(of, faces);
+    let siblings = mesh.options().bound == ErrorBound::WithoutSiblings;
+    let wavelets = wavelets_over(of, faces, siblings);
     let grounds = Grounds::new(mesh, wavelets.len() > of.wavelet_count() / FEW);
     let mut end = wavelets.len();
     while end > 0 {
@@ -452,8 +453,9 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     wavelets
 }
 
-/// The wavelets whose supports hold any of these faces or of those that they are parts of, ascending.
-fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>) -> Vec<u32> {
+/// The wavelets whose supports hold any of these faces or of those that they are parts of, ascending; with `siblings` also those
+/// on the sides of such, for whom the coefficients on the other sides count, and so the corner opposite.
+fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>, siblings: bool) -> Vec<u32> {
     faces.sort_unstable();
     let mut wavelets = Vec::new();
     let mut on_sides: Vec<u32> = Vec::new();
@@ -478,6 +480,7 @@ fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>) -> Vec<u32> {
                 on_sides.extend(of.halves(wavelet).into_iter().filter(|&half| half != NONE));
             }
         }
+        wavelets.extend(of.sides_of_split_if(next, siblings && of.is_split(next)));
         if let Some((parent, _, child)) = of.parent(next) {
             let sides = of.sides_of_split(parent);
             wavelets.extend(match child {

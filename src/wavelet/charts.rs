@@ -119,10 +119,9 @@ impl WaveletMesh {
             vertices.locks().to_vec(),
         );
         let mut mesh = Self { subdivision, vertices, ..self.clone() };
-        let diagonal = mesh.find_diagonal();
+        mesh.measure();
         // They stay, unless vertices that no face used were out of the way, or coordinates were torn inside base faces.
-        if diagonal.to_bits() != self.diagonal.to_bits() || mesh.subdivision.torn != of.torn {
-            mesh.diagonal = diagonal;
+        if mesh.diagonal.to_bits() != self.diagonal.to_bits() || mesh.subdivision.torn != of.torn {
             mesh.bounds = bounds(&mesh);
         }
         Ok(mesh)

@@ -15,6 +15,7 @@
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
 //! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
 //! | `bounds.rs` | what leaving a wavelet out can change |
+//! | `edit.rs` | moving vertices of a level, with all that is finer |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
@@ -27,6 +28,7 @@ mod build;
 mod builder;
 mod charts;
 mod domain;
+mod edit;
 mod error;
 mod instance;
 mod mesh;
@@ -44,6 +46,7 @@ mod vertices;
 pub use atlas::{Atlas, AtlasOptions, ChartSize};
 pub use builder::{Face, Midpoint, WaveletBuilder};
 pub use domain::DomainPoint;
+pub use edit::{DetailFrame, Edited};
 pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;

@@ -22,6 +22,9 @@ impl TryFrom<Parts> for WaveletMesh {
 
     fn try_from(parts: Parts) -> Result<Self, WaveletError> {
         let Parts { subdivision, vertices, materials, group_of, bounds, options, diagonal } = parts;
-        Ok(Self { subdivision, vertices, materials, group_of, bounds, options, diagonal })
+        let extent = None;
+        let mut mesh = Self { subdivision, vertices, materials, group_of, bounds, options, diagonal, extent };
+        mesh.measure();
+        Ok(mesh)
     }
 }
