@@ -237,10 +237,10 @@ fn places(mesh: &Mesh) -> Vec<[[u32; 3]; 3]> {
 
 /// The wavelets of one file, through all commands. Triangles of its base mesh; `None` where it was refused, with a line that
 /// names it and says what else to do.
-fn wavelets(file: &Path, folder: &Folder, more: &str) -> Option<usize> {
+fn wavelets(file: &Path, folder: &Folder) -> Option<usize> {
     let [baked, level, camera, frames] =
         ["all.mres", "level.ply", "camera.csv", "frames.csv"].map(|n| folder.file(n));
-    let built = json("build", &[file, &baked], &format!("--structure wavelet {more}"));
+    let built = json("build", &[file, &baked], "--structure wavelet");
     if built.code == Some(1) {
         let reason = built.refusal();
         let name = file.file_name().unwrap().to_string_lossy();
@@ -265,7 +265,7 @@ fn wavelets(file: &Path, folder: &Folder, more: &str) -> Option<usize> {
     assert!(places(&finest) == places(&mesh), "{file:?}");
     let streams =
         |mesh: &Mesh| mesh.attributes().iter().map(|a| (a.name().to_owned(), a.width())).collect::<Vec<_>>();
-    assert!(!more.is_empty() || streams(&finest) == streams(&mesh), "{file:?}");
+    assert!(streams(&finest) == streams(&mesh), "{file:?}");
     let euler = Report::welded(&mesh).euler_characteristic;
     for how in ["--ratio 0.3", "--level 1", "--level 0"] {
         let mesh = extract(how);
@@ -327,12 +327,7 @@ fn wavelets_of_subdivision_meshes() {
     let mut found = Vec::new();
     for file in &files {
         let name = file.file_name().unwrap().to_string_lossy();
-        let mut base = wavelets(file, &folder, "");
-        if name == "boat.obj" {
-            // Some texture seams run through the middle of coarse faces.
-            assert_eq!(base, None);
-            base = wavelets(file, &folder, "--drop uv");
-        }
+        let base = wavelets(file, &folder);
         found.extend(base.map(|base| (name.into_owned(), base)));
     }
     found.sort();
@@ -346,7 +341,7 @@ fn wavelets_of_hostile_files() {
     let Some(files) = models("hostile") else { return };
     let folder = Folder::new("hostile-wavelets");
     for file in &files {
-        let _ = wavelets(file, &folder, "");
+        let _ = wavelets(file, &folder);
     }
 }
 
