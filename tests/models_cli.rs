@@ -265,7 +265,7 @@ fn wavelets(file: &Path, folder: &Folder) -> Option<usize> {
     assert!(places(&finest) == places(&mesh), "{file:?}");
     let streams =
         |mesh: &Mesh| mesh.attributes().iter().map(|a| (a.name().to_owned(), a.width())).collect::<Vec<_>>();
-    assert_eq!(streams(&finest), streams(&mesh), "{file:?}");
+    assert!(streams(&finest) == streams(&mesh), "{file:?}");
     let euler = Report::welded(&mesh).euler_characteristic;
     for how in ["--ratio 0.3", "--level 1", "--level 0"] {
         let mesh = extract(how);
@@ -282,7 +282,13 @@ fn wavelets(file: &Path, folder: &Folder) -> Option<usize> {
     std::fs::write(&camera, &path).unwrap();
     for style in ["--triangulation exact", "--triangulation minimal"] {
         let view = "--eye 0.1,0.2,0.8 --target 0,0,0 --tolerance 2";
-        let answer = json("adapt", &[&baked, &level], &format!("{view} {style}")).answer();
+        let said = json("adapt", &[&baked, &level], &format!("{view} {style}"));
+        // A box larger than single precision has no view from beyond it.
+        if said.code == Some(1) {
+            assert!(said.refusal().contains("finite"), "{file:?}");
+            continue;
+        }
+        let answer = said.answer();
         let seen = io::read(&level).unwrap();
         assert_eq!(answer["output"]["triangles"], seen.triangles().len());
         assert_eq!(Report::welded(&seen).euler_characteristic, euler, "{file:?} {style}");
@@ -321,7 +327,8 @@ fn wavelets_of_subdivision_meshes() {
     let mut found = Vec::new();
     for file in &files {
         let name = file.file_name().unwrap().to_string_lossy();
-        found.extend(wavelets(file, &folder).map(|base| (name.into_owned(), base)));
+        let base = wavelets(file, &folder);
+        found.extend(base.map(|base| (name.into_owned(), base)));
     }
     found.sort();
     let mut known = BASES.map(|(name, base)| (name.to_owned(), base));

@@ -101,7 +101,7 @@ const BREAKS: [(&str, Break); 36] = [
         p.seams.insert(1, last);
     }),
     ("vertices", |p| p.seams.clear()),
-    ("vertices", |p| p.seams.swap(0, 1)),
+    ("corners at seams, entry 0", |p| p.seams.swap(0, 1)),
     // Values.
     ("vertices, not", |p| p.vertices = only(&p.vertices, p.vertices.positions().len() - 1)),
     ("vertices, not", |p| p.vertices = only(&p.vertices, p.vertices.positions().len() + 1)),
@@ -196,7 +196,9 @@ fn edges_have_only_so_many_triangles() {
 /// Cuts of all kinds, drawn in all ways.
 fn use_it(mesh: WaveletMesh, seed: u64) {
     assert_eq!(mesh.validate(), Ok(()));
-    assert_eq!(WaveletMesh::try_from(WaveletParts::from(mesh.clone())).unwrap(), mesh);
+    let again = WaveletMesh::try_from(WaveletParts::from(mesh.clone())).unwrap();
+    // Attributes may be no numbers, which nothing is equal to.
+    assert!(again == mesh || mesh.clone() != mesh);
     let of = mesh.subdivision();
     let (vertices, depth) = (of.vertex_count() as u32, of.depth());
     (0..=vertices)

@@ -21,10 +21,11 @@ pub trait Blend: Sized {
 impl Blend for f32 {
     #[inline]
     fn blend(&self, other: &Self, t: f32) -> Self {
-        if t <= 0.0 {
-            *self
-        } else if t >= 1.0 {
+        if t >= 1.0 {
             *other
+        } else if t <= 0.0 || self == other {
+            // Of equal values no share may round away from them.
+            *self
         } else {
             (1.0 - t) * self + t * other
         }

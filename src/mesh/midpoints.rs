@@ -23,6 +23,11 @@ impl Mesh {
         self
     }
 
+    /// Positions, to be replaced by finite ones.
+    pub(crate) fn positions_mut(&mut self) -> &mut [[f32; 3]] {
+        &mut self.positions
+    }
+
     /// The same with normals that are the means of the triangles around each position, by area; vertices at one position get
     /// the same. Instead of those that there are.
     pub(crate) fn with_smooth_normals(mut self) -> Self {

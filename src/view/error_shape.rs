@@ -37,45 +37,104 @@ impl ErrorShape {
     /// Source: Azuma et al. 2003 (View-dependent refinement of multiresolution meshes with subdivision connectivity), Eq. 3, for
     /// the ratio.
     pub fn fit(self, vectors: impl Iterator<Item = (f64, f64)> + Clone) -> [f32; 2] {
-        let vectors = vectors.map(|(h, t)| (number(h), number(t)));
-        let (high, wide) =
-            vectors.clone().fold((0.0, 0.0), |(high, wide), (h, t)| (h.max(high), t.max(wide)));
-        if wide <= 0.0 {
-            return [round_up(high), 0.0];
-        }
-        let [along, across] = match self {
-            Self::Spheroid if high <= 0.0 => [0.0, wide],
-            _ if high <= wide => {
-                let radius = longest(vectors);
-                [radius, radius]
-            }
-            Self::Spheroid => {
-                let ratios = RATIO_POWERS.map(|power| (high / wide).powf(power));
-                let mut squares = [0.0_f64; RATIO_POWERS.len()];
-                for (h, t) in vectors {
-                    for (square, ratio) in squares.iter_mut().zip(ratios) {
-                        *square = square.max((h / ratio) * (h / ratio) + t * t);
-                    }
-                }
-                // Mean squares of their sizes: from all directions alike, the mean squared sine is 2/3.
-                let looks = |at: usize| squares[at] * (1.0 + (ratios[at] * ratios[at] - 1.0) * (2.0 / 3.0));
-                let best = (0..ratios.len()).min_by(|&a, &b| looks(a).total_cmp(&looks(b))).unwrap_or(0);
-                let across = squares[best].sqrt() * (1.0 + 1e-15);
-                [across * ratios[best], across]
-            }
-            Self::SphereAndCones => {
-                // The flanks' normal, which leads to where they touch.
-                let normal = flank(high, wide);
-                let radius = vectors.map(|v| flank_radius(v, normal)).fold(0.0, f64::max);
-                [radius * (high / wide), radius]
-            }
-        };
-        [round_up(along), round_up(across)]
+        let mut fit = Fit::new(self, vectors.clone().fold([0.0, 0.0], Fit::span));
+        vectors.for_each(|vector| fit.add(vector));
+        fit.sizes()
     }
 }
 
-fn longest(vectors: impl Iterator<Item = (f64, f64)>) -> f64 {
-    vectors.map(|(h, t)| h.hypot(t)).fold(0.0, f64::max)
+/// The two passes of [`ErrorShape::fit`], for vectors that are searched rather than listed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fit {
+    shape: ErrorShape,
+    /// The largest part along the axis of any vector, and across it.
+    high: f64,
+    wide: f64,
+    /// Ratios of length to width that are tried, and what shapes of them must measure across so far, or its square.
+    ratios: [f64; RATIO_POWERS.len()],
+    across: [f64; RATIO_POWERS.len()],
+    tried: usize,
+}
+
+impl Fit {
+    /// First pass: the largest parts of vectors along the axis and across it, with one more vector.
+    #[inline]
+    pub fn span([high, wide]: [f64; 2], (h, t): (f64, f64)) -> [f64; 2] {
+        [number(h).max(high), number(t).max(wide)]
+    }
+
+    /// Second pass: with what the first found.
+    pub fn new(shape: ErrorShape, [high, wide]: [f64; 2]) -> Self {
+        let mut fit = Self {
+            shape,
+            high,
+            wide,
+            ratios: [1.0; RATIO_POWERS.len()],
+            across: [0.0; RATIO_POWERS.len()],
+            tried: 1,
+        };
+        if high > wide && wide > 0.0 {
+            if shape == ErrorShape::Spheroid {
+                fit.ratios = RATIO_POWERS.map(|power| (high / wide).powf(power));
+                fit.tried = fit.ratios.len();
+            } else {
+                fit.ratios[0] = high / wide;
+            }
+        }
+        fit
+    }
+
+    /// What a shape of a ratio must measure across to hold a vector, or its square. Grows with both parts.
+    #[inline]
+    fn needs(&self, at: usize, (h, t): (f64, f64)) -> f64 {
+        let (h, t) = (number(h), number(t));
+        if self.high <= self.wide || self.wide <= 0.0 {
+            return h.hypot(t);
+        }
+        match self.shape {
+            ErrorShape::Spheroid => {
+                let h = h / self.ratios[at];
+                h * h + t * t
+            }
+            // The flanks' normal, which leads to where they touch.
+            ErrorShape::SphereAndCones => flank_radius((h, t), flank(self.high, self.wide)),
+        }
+    }
+
+    /// With one more vector of those of the first pass.
+    #[inline]
+    pub fn add(&mut self, vector: (f64, f64)) {
+        for at in 0..self.tried {
+            self.across[at] = self.across[at].max(self.needs(at, vector));
+        }
+    }
+
+    /// Whether a vector would change anything.
+    #[inline]
+    pub fn grows_by(&self, vector: (f64, f64)) -> bool {
+        (0..self.tried).any(|at| self.needs(at, vector) > self.across[at])
+    }
+
+    /// Half-lengths along the axis and across it.
+    pub fn sizes(&self) -> [f32; 2] {
+        let Self { shape, high, wide, ratios, across, .. } = self;
+        if *wide <= 0.0 {
+            return [round_up(*high), 0.0];
+        }
+        let [along, across] = match shape {
+            ErrorShape::Spheroid if *high <= 0.0 => [0.0, *wide],
+            _ if high <= wide => [across[0], across[0]],
+            ErrorShape::Spheroid => {
+                // Mean squares of their sizes: from all directions alike, the mean squared sine is 2/3.
+                let looks = |at: usize| across[at] * (1.0 + (ratios[at] * ratios[at] - 1.0) * (2.0 / 3.0));
+                let best = (0..ratios.len()).min_by(|&a, &b| looks(a).total_cmp(&looks(b))).unwrap_or(0);
+                let across = across[best].sqrt() * (1.0 + 1e-15);
+                [across * ratios[best], across]
+            }
+            ErrorShape::SphereAndCones => [across[0] * ratios[0], across[0]],
+        };
+        [round_up(along), round_up(across)]
+    }
 }
 
 /// Powers of the ratio of Eq. 3 that a spheroid may have. Of a single vector far along the axis, the spheroid that looks smallest

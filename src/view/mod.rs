@@ -34,6 +34,7 @@ pub use camera::{ErrorKind, Focus, View, ViewError};
 pub use criteria::{Answer, Criterion, Motion};
 pub use deviation::DeviationBounds;
 pub use error_shape::ErrorShape;
+pub(crate) use error_shape::Fit;
 pub use look_at::look_at;
 pub use object::ObjectView;
 pub(crate) use region::angle_between;

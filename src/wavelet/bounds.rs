@@ -12,21 +12,32 @@
 //! ```
 //!
 //! Both are nested afterwards: a wavelet's bounds hold its children's, or the cut would not be closed.
+//!
+//! Nothing is summed over the whole mesh: the mean normal of a support is found along its rim (Stokes), and of the errors in it
+//! only those are looked at that could be the largest, by what is known of finer wavelets. So a wavelet's bounds cost about as
+//! much as its rim is long, and can be made anew one by one where something changed.
+
+use std::cell::Cell;
 
 use glam::DVec3;
 
 use crate::mesh::NONE;
-use crate::view::{DeviationBounds, ErrorShape, angle_between};
+use crate::view::{DeviationBounds, ErrorShape, Fit, angle_between};
 
+use super::ErrorBound;
 use super::mesh::WaveletMesh;
 use super::subdivision::Subdivision;
-use super::surface::Surface;
-use super::{ErrorBound, Triangulation};
+use super::surface::finest_triangles;
 
 /// Share by which a sphere is larger than it need be, so that containment survives rounding.
 const ROOM: f64 = 4e-7;
 /// Radians by which a cone is wider than it need be.
 const WIDER: f64 = 1e-6;
+
+/// Share by which what is found to be no larger than something must be smaller, so that rounding cannot make it larger.
+const CAUTION: f64 = 1.0 + 1e-9;
+/// Where more than one in so many wavelets get new bounds, what they have in common is found for all of them first.
+const FEW: usize = 16;
 
 /// Bounds of one wavelet but the centre, which is its vertex, and the shape of errors, which all share: 16 bytes. What the
 /// numbers mean is said at [`DeviationBounds`].
@@ -51,48 +62,62 @@ impl WaveletBounds {
     }
 }
 
-/// The surface that bounds are of, prepared.
+/// Parts of an error along an axis and across it.
+type Parts = [f64; 2];
+
+/// The surface that bounds are of.
 pub(super) struct Grounds<'a> {
     mesh: &'a WaveletMesh,
     of: &'a Subdivision,
-    /// Per face the sum of its normals times twice its area.
-    normal: Vec<DVec3>,
-    /// Triangles of faces that are not split, by face; empty where each such face is one.
-    cut: Vec<(u32, [u32; 3])>,
+    /// Per wavelet twice the area between its edge at full resolution and the straight line from end to end; empty where that is
+    /// found when needed.
+    bends: Vec<DVec3>,
+    /// Length that is added to every radius, object units.
+    room: f64,
 }
 
 impl<'a> Grounds<'a> {
-    pub fn new(mesh: &'a WaveletMesh) -> Self {
+    pub fn new(mesh: &'a WaveletMesh, many: bool) -> Self {
         let of = mesh.subdivision();
-        let cut = if of.is_uniform() {
-            Vec::new()
-        } else {
-            let mut surface = Surface::new(of, Triangulation::Exact, 1);
-            (0..of.wavelet_count() as u32).for_each(|wavelet| surface.change(of, wavelet, true));
-            surface.write(of, |vertex| vertex, |_| 0);
-            let mut cut: Vec<_> = surface.faces(0).zip(surface.triangles(0).iter().copied()).collect();
-            cut.sort_unstable();
-            cut
-        };
-        let mut grounds = Self { mesh, of, normal: Vec::new(), cut };
-        grounds.sum_normals();
+        let mut grounds = Self { mesh, of, bends: Vec::new(), room: room(mesh.diagonal()) };
+        if many {
+            let mut bends = vec![DVec3::ZERO; of.wavelet_count()];
+            for wavelet in (0..of.wavelet_count() as u32).rev() {
+                bends[wavelet as usize] = grounds.bend_of(wavelet, |half| bends[half as usize]);
+            }
+            grounds.bends = bends;
+        }
         grounds
     }
 
-    fn sum_normals(&mut self) {
-        let of = self.of;
-        let mut normal = vec![DVec3::ZERO; of.face_count()];
-        for face in (0..of.face_count() as u32).rev() {
-            normal[face as usize] = if of.is_split(face) {
-                let first = of.child(face, 0) as usize;
-                normal[first..first + 4].iter().sum()
-            } else {
-                let mut sum = DVec3::ZERO;
-                self.triangles(face, |t| sum += self.area_normal(t));
-                sum
-            };
+    /// Twice the area, as a vector, between an edge at full resolution and the straight line from end to end.
+    fn bend(&self, wavelet: u32) -> DVec3 {
+        match self.bends.get(wavelet as usize) {
+            Some(&bend) => bend,
+            None => self.bend_of(wavelet, |half| self.bend(half)),
         }
-        self.normal = normal;
+    }
+
+    fn bend_of(&self, wavelet: u32, of_half: impl Fn(u32) -> DVec3) -> DVec3 {
+        let vertex = self.of.vertex_of(wavelet);
+        let Some(ends) = self.of.ends(vertex) else { return DVec3::ZERO };
+        let [a, b] = ends.map(|end| self.position(end));
+        let halves = self.of.halves(wavelet).into_iter().filter(|&half| half != NONE);
+        halves.fold((self.position(vertex) - a).cross(b - a), |sum, half| sum + of_half(half))
+    }
+
+    /// The sum of the normals times twice their areas of what a face is at full resolution: that of the plane triangle, and of
+    /// what bends out of it along its sides.
+    fn normal(&self, face: u32) -> DVec3 {
+        let corners = self.of.corners(face);
+        if !self.of.is_split(face) && self.of.is_uniform() {
+            return self.area_normal(corners);
+        }
+        (0..3).fold(self.area_normal(corners), |sum, k| match self.of.side(face, k) {
+            (NONE, _) => sum,
+            (wavelet, false) => sum + self.bend(wavelet),
+            (wavelet, true) => sum - self.bend(wavelet),
+        })
     }
 
     fn position(&self, vertex: u32) -> DVec3 {
@@ -106,11 +131,10 @@ impl<'a> Grounds<'a> {
 
     /// The triangles of a face that is not split.
     fn triangles(&self, face: u32, mut visit: impl FnMut([u32; 3])) {
-        if self.cut.is_empty() {
+        if self.of.is_uniform() {
             return visit(self.of.corners(face));
         }
-        let start = self.cut.partition_point(|cut| cut.0 < face);
-        self.cut[start..].iter().take_while(|cut| cut.0 == face).for_each(|cut| visit(cut.1));
+        finest_triangles(self.of, face, visit);
     }
 
     /// A wavelet's coefficient.
@@ -140,12 +164,12 @@ impl<'a> Grounds<'a> {
     /// The axis of a wavelet's bounds as it is stored, and whether there is one: the mean normal of its support.
     fn axis(&self, wavelet: u32) -> Option<DVec3> {
         let mut sum = DVec3::ZERO;
-        self.support(wavelet, |face, _| sum += self.normal[face as usize]);
+        self.support(wavelet, |face, _| sum += self.normal(face));
         sum.try_normalize()
     }
 
-    /// Bounds of a wavelet, given those of its children.
-    pub fn bounds(&self, wavelet: u32, child_bounds: impl Fn(u32) -> WaveletBounds) -> WaveletBounds {
+    /// Bounds of a wavelet, given those of finer ones.
+    pub fn bounds(&self, wavelet: u32, finer: impl Fn(u32) -> WaveletBounds) -> WaveletBounds {
         let of = self.of;
         let shape = self.mesh.options().shape;
         let centre = self.mesh.vertices.positions()[of.vertex_of(wavelet) as usize];
@@ -169,7 +193,7 @@ impl<'a> Grounds<'a> {
             });
         });
         for (child, _) in of.spokes(wavelet) {
-            let packed = child_bounds(child);
+            let packed = finer(child);
             let bounds = packed.unpack([0.0; 3], shape);
             let to = self.position(of.vertex_of(child)).distance(middle);
             radius = radius.max(to + f64::from(packed.radius));
@@ -180,25 +204,16 @@ impl<'a> Grounds<'a> {
                 _ => f64::INFINITY,
             };
         }
-        let scale = self.mesh.diagonal() * 1e-9 + middle.abs().max_element() * 1e-12;
-        let radius = above(radius * (1.0 + ROOM) + scale);
+        let radius = above(radius * (1.0 + ROOM) + self.room + middle.abs().max_element() * 1e-12);
         let mut bounds = DeviationBounds::new(centre, radius, shape)
             .with_cone(axis.unwrap_or(DVec3::ZERO).to_array(), wide + WIDER);
 
         // The shape is about the axis as it is stored.
-        let axis = bounds.axis().map(DVec3::from_array);
-        let mut errors: Vec<(f64, f64)> = Vec::new();
-        let parts = |e: DVec3| match axis {
-            Some(axis) => (e.dot(axis), e.cross(axis).length()),
-            None => (e.length(), 0.0),
-        };
-        match self.mesh.options().bound {
-            ErrorBound::WithoutSiblings => self.all_left_out(wavelet, |e| errors.push(parts(e))),
-            ErrorBound::Conservative => self.any_left_out(wavelet, parts, &mut errors),
-        }
+        let search =
+            Search { grounds: self, wavelet, axis: bounds.axis().map(DVec3::from_array), finer: &finer };
+        [bounds.along, bounds.across] = search.fit();
         // Without an axis a ball.
-        [bounds.along, bounds.across] = shape.fit(errors.iter().copied());
-        if axis.is_none() {
+        if search.axis.is_none() {
             bounds.across = bounds.along;
         }
         if of.torn.binary_search(&wavelet).is_ok() {
@@ -206,21 +221,102 @@ impl<'a> Grounds<'a> {
             (bounds.along, bounds.across) = (f32::MAX, f32::MAX);
         }
         for (child, _) in of.spokes(wavelet) {
-            bounds.hold_errors_of(&child_bounds(child).unpack(centre, shape));
+            bounds.hold_errors_of(&finer(child).unpack(centre, shape));
         }
         let DeviationBounds { radius, cone, along, across, .. } = bounds;
         WaveletBounds { radius, along, across, cone }
     }
 
+    /// The most that the wavelets on an edge and on its parts can move a point beside it.
+    fn beside(&self, wavelet: u32, parts: &impl Fn(u32) -> Parts) -> Parts {
+        if wavelet == NONE {
+            return [0.0; 2];
+        }
+        let [a, b] = self.of.halves(wavelet).map(|half| self.beside(half, parts));
+        add(parts(wavelet), most(a, b))
+    }
+}
+
+/// Looks for the largest errors of a wavelet.
+struct Search<'a, F> {
+    grounds: &'a Grounds<'a>,
+    wavelet: u32,
+    axis: Option<DVec3>,
+    finer: &'a F,
+}
+
+impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
+    /// Half-lengths of the smallest shape around them.
+    fn fit(&self) -> [f32; 2] {
+        let shape = self.grounds.mesh.options().shape;
+        let span = Cell::new([0.0; 2]);
+        self.run(
+            |[h, t]| h * CAUTION > span.get()[0] || t * CAUTION > span.get()[1],
+            |[h, t]| span.set(Fit::span(span.get(), (h, t))),
+        );
+        let fit = Cell::new(Fit::new(shape, span.get()));
+        self.run(
+            |[h, t]| fit.get().grows_by((h * CAUTION, t * CAUTION)),
+            |[h, t]| {
+                let mut with = fit.get();
+                with.add((h, t));
+                fit.set(with);
+            },
+        );
+        fit.get().sizes()
+    }
+
+    /// Visits errors, leaving out those that are no larger than what is not `worth` looking at.
+    fn run(&self, worth: impl Fn(Parts) -> bool, found: impl FnMut(Parts)) {
+        match self.grounds.mesh.options().bound {
+            ErrorBound::WithoutSiblings => self.all_left_out(worth, found),
+            ErrorBound::Conservative => self.any_left_out(worth, found),
+        }
+    }
+
+    fn parts(&self, error: DVec3) -> Parts {
+        match self.axis {
+            Some(axis) => [error.dot(axis).abs(), error.cross(axis).length()],
+            None => [error.length(), 0.0],
+        }
+    }
+
+    fn coefficient_parts(&self, wavelet: u32) -> Parts {
+        self.parts(self.grounds.coefficient(wavelet))
+    }
+
+    /// What the wavelets on a split face's sides and all finer ones in it can add up to, at most: from their bounds, which are
+    /// about other axes.
+    fn most_within(&self, face: u32) -> Parts {
+        let shape = self.grounds.mesh.options().shape;
+        self.grounds.of.sides_of_split(face).into_iter().fold([0.0; 2], |found, side| {
+            let bounds = (self.finer)(side).unpack([0.0; 3], shape);
+            let (along, across) = (f64::from(bounds.along.max(bounds.across)), f64::from(bounds.across));
+            let along = match shape {
+                ErrorShape::Spheroid => f64::from(bounds.along),
+                _ => along,
+            };
+            let parts = match (self.axis, bounds.axis()) {
+                (None, _) => [along + across, 0.0],
+                (_, None) => [along.max(across); 2],
+                (Some(axis), Some(other)) => {
+                    let other = DVec3::from_array(other);
+                    let (cosine, sine) = (axis.dot(other).abs(), axis.cross(other).length());
+                    [along * cosine + across * sine, along * sine + across]
+                }
+            };
+            most(found, parts)
+        })
+    }
+
     /// Errors at the vertices inside the support where all wavelets of this level and finer ones are left out.
-    fn all_left_out(&self, wavelet: u32, mut visit: impl FnMut(DVec3)) {
-        let of = self.of;
-        let own = self.coefficient(wavelet);
-        visit(own);
+    fn all_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
+        let (grounds, of) = (self.grounds, self.grounds.of);
+        found(self.coefficient_parts(self.wavelet));
         let mut stack: Vec<(u32, [DVec3; 3], [bool; 3])> = Vec::new();
-        for along in of.faces_along(wavelet).filter(|along| of.is_split(along.face())) {
+        for along in of.faces_along(self.wavelet).filter(|along| of.is_split(along.face())) {
             let (face, k) = (along.face(), along.side());
-            let middles = of.sides_of_split(face).map(|side| self.coefficient(side));
+            let middles = of.sides_of_split(face).map(|side| grounds.coefficient(side));
             let (next, far) = ((k + 1) % 3, (k + 2) % 3);
             let rim = |side: usize| [0, 1, 2].map(|s| s == side);
             stack.push((of.child(face, k), [DVec3::ZERO, middles[k], middles[far]], rim(2)));
@@ -231,11 +327,16 @@ impl<'a> Grounds<'a> {
             if !of.is_split(face) {
                 continue;
             }
+            // Between the corners errors are no larger than there, but for what finer wavelets add.
+            let so_far = errors.into_iter().fold([0.0; 2], |found, error| most(found, self.parts(error)));
+            if !worth(add(so_far, self.most_within(face))) {
+                continue;
+            }
             let sides = of.sides_of_split(face);
             let middles = [0, 1, 2].map(|k| {
-                let error = self.coefficient(sides[k]) + (errors[k] + errors[(k + 1) % 3]) * 0.5;
+                let error = grounds.coefficient(sides[k]) + (errors[k] + errors[(k + 1) % 3]) * 0.5;
                 if !rim[k] {
-                    visit(error);
+                    found(self.parts(error));
                 }
                 error
             });
@@ -249,65 +350,63 @@ impl<'a> Grounds<'a> {
 
     /// For every face at full resolution in the support, the most that wavelets left out can move its points, along the axis and
     /// across it.
-    fn any_left_out(&self, wavelet: u32, parts: impl Fn(DVec3) -> (f64, f64), errors: &mut Vec<(f64, f64)>) {
-        let of = self.of;
-        let parts = |wavelet: u32| {
-            let (along, across) = parts(self.coefficient(wavelet));
-            [along.abs(), across]
-        };
-        let own = parts(wavelet);
-        let mut stack: Vec<(u32, [f64; 2])> = Vec::new();
-        self.support(wavelet, |face, _| stack.push((face, own)));
+    fn any_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
+        let (grounds, of) = (self.grounds, self.grounds.of);
+        let parts = |wavelet: u32| self.coefficient_parts(wavelet);
+        let own = parts(self.wavelet);
+        let mut stack: Vec<(u32, Parts)> = Vec::new();
+        grounds.support(self.wavelet, |face, _| stack.push((face, own)));
         while let Some((face, so_far)) = stack.pop() {
             if of.is_split(face) {
-                let sum = add(so_far, of.sides_of_split(face).map(parts).into_iter().fold([0.0; 2], most));
-                (0..4).for_each(|child| stack.push((of.child(face, child), sum)));
+                if worth(add(so_far, self.most_within(face))) {
+                    let sum =
+                        add(so_far, of.sides_of_split(face).map(parts).into_iter().fold([0.0; 2], most));
+                    (0..4).for_each(|child| stack.push((of.child(face, child), sum)));
+                }
                 continue;
             }
             // Hats from deeper neighbours reach into it.
             let mut beside = [0.0; 2];
-            if !self.cut.is_empty() {
+            if !of.is_uniform() {
                 for side in [0, 1, 2].map(|side| of.side(face, side).0) {
-                    beside = if side == wavelet {
-                        of.halves(side).into_iter().fold(beside, |b, half| most(b, self.beside(half, &parts)))
+                    beside = if side == self.wavelet {
+                        of.halves(side)
+                            .into_iter()
+                            .fold(beside, |b, half| most(b, grounds.beside(half, &parts)))
                     } else {
-                        most(beside, self.beside(side, &parts))
+                        most(beside, grounds.beside(side, &parts))
                     };
                 }
             }
-            let [along, across] = add(so_far, beside);
-            errors.push((along, across));
+            found(add(so_far, beside));
         }
-    }
-
-    /// The most that the wavelets on an edge and on its parts can move a point beside it.
-    fn beside(&self, wavelet: u32, parts: &impl Fn(u32) -> [f64; 2]) -> [f64; 2] {
-        if wavelet == NONE {
-            return [0.0; 2];
-        }
-        let [a, b] = self.of.halves(wavelet).map(|half| self.beside(half, parts));
-        add(parts(wavelet), most(a, b))
     }
 }
 
-fn add([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+fn add([a, b]: Parts, [c, d]: Parts) -> Parts {
     [a + c, b + d]
 }
 
-fn most([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+fn most([a, b]: Parts, [c, d]: Parts) -> Parts {
     [a.max(c), b.max(d)]
 }
 
-/// Bounds of every wavelet, from the finest to the coarsest. O(n x levels).
+/// Length that is added to radii, for a diagonal: a power of two, so that it seldom changes.
+fn room(diagonal: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(diagonal.to_bits() & EXPONENT) * 2e-9
+}
+
+/// Bounds of every wavelet, from the finest to the coarsest. O(n x levels) at most.
 pub(super) fn bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
-    let grounds = Grounds::new(mesh);
+    let grounds = Grounds::new(mesh, true);
     let of = mesh.subdivision();
     let none = WaveletBounds { radius: 0.0, along: 0.0, across: 0.0, cone: [0; 4] };
     let mut all = vec![none; of.wavelet_count()];
     for level in (1..=of.depth()).rev() {
         let wavelets = of.wavelets_of(level);
         let (coarser, finer) = all.split_at_mut(wavelets.end as usize);
-        let at = |child: u32| finer[(child - wavelets.end) as usize];
+        let at = |wavelet: u32| finer[(wavelet - wavelets.end) as usize];
         let level = &mut coarser[wavelets.start as usize..];
         let find = |(at_level, packed): (usize, &mut WaveletBounds)| {
             *packed = grounds.bounds(wavelets.start + at_level as u32, at);
@@ -321,6 +420,86 @@ pub(super) fn bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
         level.iter_mut().enumerate().for_each(find);
     }
     all
+}
+
+/// Makes anew the bounds of the wavelets whose supports hold any of these faces, of any level; they are the same as if all were.
+/// `diagonal` is what the mesh had before. Which they are, ascending.
+pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> Vec<u32> {
+    let of = mesh.subdivision();
+    if room(diagonal) != room(mesh.diagonal()) {
+        let all = (0..of.wavelet_count() as u32).collect();
+        mesh.bounds = bounds(mesh);
+        return all;
+    }
+    let mut all = std::mem::take(&mut mesh.bounds);
+    let of = mesh.subdivision();
+    let siblings = mesh.options().bound == ErrorBound::WithoutSiblings;
+    let wavelets = wavelets_over(of, faces, siblings);
+    let grounds = Grounds::new(mesh, wavelets.len() > of.wavelet_count() / FEW);
+    let mut end = wavelets.len();
+    while end > 0 {
+        // Those of one level need none of each other.
+        let level = of.wavelets_of(of.level_of(wavelets[end - 1]));
+        let start = wavelets[..end].partition_point(|&wavelet| wavelet < level.start);
+        let find = |&wavelet: &u32| grounds.bounds(wavelet, |finer| all[finer as usize]);
+        #[cfg(feature = "parallel")]
+        let found: Vec<WaveletBounds> = {
+            use rayon::prelude::*;
+            wavelets[start..end].par_iter().map(find).collect()
+        };
+        #[cfg(not(feature = "parallel"))]
+        let found: Vec<WaveletBounds> = wavelets[start..end].iter().map(find).collect();
+        for (&wavelet, packed) in wavelets[start..end].iter().zip(found) {
+            all[wavelet as usize] = packed;
+        }
+        end = start;
+    }
+    mesh.bounds = all;
+    wavelets
+}
+
+/// The wavelets whose supports hold any of these faces or of those that they are parts of, ascending; with `siblings` also those
+/// on the sides of such, for whom the coefficients on the other sides count, and so the corner opposite.
+fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>, siblings: bool) -> Vec<u32> {
+    faces.sort_unstable();
+    let mut wavelets = Vec::new();
+    let mut on_sides: Vec<u32> = Vec::new();
+    // Parents come out in the same order as their children: two queues, and the larger head is next.
+    let mut parents = std::collections::VecDeque::new();
+    loop {
+        let next = match (faces.last(), parents.front()) {
+            (Some(&face), Some(&parent)) => face.max(parent),
+            (Some(&face), None) | (None, Some(&face)) => face,
+            (None, None) => break,
+        };
+        while faces.last() == Some(&next) {
+            faces.pop();
+        }
+        while parents.front() == Some(&next) {
+            parents.pop_front();
+        }
+        if !of.is_split(next) {
+            on_sides.extend([0, 1, 2].map(|side| of.side(next, side).0).iter().filter(|&&w| w != NONE));
+            while let Some(wavelet) = on_sides.pop() {
+                wavelets.push(wavelet);
+                on_sides.extend(of.halves(wavelet).into_iter().filter(|&half| half != NONE));
+            }
+        }
+        wavelets.extend(of.sides_of_split_if(next, siblings && of.is_split(next)));
+        if let Some((parent, _, child)) = of.parent(next) {
+            let sides = of.sides_of_split(parent);
+            wavelets.extend(match child {
+                3 => sides,
+                i => [sides[i], sides[i], sides[(i + 2) % 3]],
+            });
+            if parents.back() != Some(&parent) {
+                parents.push_back(parent);
+            }
+        }
+    }
+    wavelets.sort_unstable();
+    wavelets.dedup();
+    wavelets
 }
 
 /// The next single precision number that is not below.

@@ -280,48 +280,70 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
+    /// The subdivision, where every wavelet has one vertex.
+    pub fn finish_without_seams(self) -> Subdivision {
+        let mut done = self.done;
+        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        done
+    }
+
     /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
     /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
-        let mut done = self.done;
-        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
-        let first = (done.base_vertices as usize + done.along.len()) as u32;
+        let mut done = self.finish_without_seams();
+        // Across a seam faces are split together.
+        done.tell_apart(|of, along| of.is_split(along.face()), key);
+        done
+    }
+}
+
+impl Subdivision {
+    /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. A face that is
+    /// not split has the key of the first side, or one that no other has.
+    pub(super) fn tell_apart<K: PartialEq>(
+        &mut self,
+        looked_at: impl Fn(&Self, Side) -> bool,
+        key: impl Fn(&Self, u32, usize, Part) -> K,
+    ) {
+        let first = (self.base_vertices as usize + self.along.len()) as u32;
         let mut known: Vec<(K, u32)> = Vec::new();
-        for wavelet in 0..done.along.len() as u32 {
+        for wavelet in 0..self.along.len() as u32 {
             known.clear();
-            let sides: Vec<Side> = done.faces_along(wavelet).filter(|s| done.is_split(s.face())).collect();
+            let sides: Vec<Side> = self.faces_along(wavelet).filter(|&side| looked_at(self, side)).collect();
             let mut torn = false;
             for along in sides {
                 let (face, side) = (along.face(), along.side());
                 let vertices = Part::ALL.map(|part| {
-                    let key = key(&done, face, side, part);
+                    let key = key(self, face, side, part);
                     let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
                         let own = if known.is_empty() {
-                            done.vertex_of(wavelet)
+                            self.vertex_of(wavelet)
                         } else {
-                            done.doubles.push((wavelet, along));
-                            first + done.doubles.len() as u32 - 1
+                            self.doubles.push((wavelet, along));
+                            first + self.doubles.len() as u32 - 1
                         };
                         known.push((key, own));
                         known.len() - 1
                     });
                     known[at].1
                 });
+                if !self.is_split(face) {
+                    continue;
+                }
                 torn |= vertices.iter().any(|&vertex| vertex != vertices[0]);
                 for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
-                    if vertex != done.vertex_of(wavelet) {
+                    if vertex != self.vertex_of(wavelet) {
                         let (child, corner) = part.corner(side);
-                        done.seams.push((done.child(face, child) << 2 | corner as u32, vertex));
-                        done.mark_seam(face, side);
+                        self.seams.push((self.child(face, child) << 2 | corner as u32, vertex));
+                        self.mark_seam(face, side);
                     }
                 }
             }
             if torn {
-                done.torn.push(wavelet);
+                self.torn.push(wavelet);
             }
         }
-        done.seams.sort_unstable();
-        done
+        self.seams.sort_unstable();
     }
 }
 

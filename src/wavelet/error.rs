@@ -32,6 +32,20 @@ pub enum WaveletError {
         /// What was found instead.
         reason: String,
     },
+    /// A texture too small for its charts.
+    #[error(
+        "{charts} charts with gutters of {gutter} texels do not fit a texture of {resolution} texels a side, but one of {needed}"
+    )]
+    AtlasTooSmall {
+        /// Number of charts.
+        charts: usize,
+        /// Texels around each of them.
+        gutter: u32,
+        /// Texels a side.
+        resolution: u32,
+        /// Texels a side that are enough.
+        needed: u64,
+    },
     /// A number of something that does not fit the rest.
     #[error("there are {found} {what}, not {expected}")]
     Length {

@@ -12,7 +12,7 @@ use super::Triangulation;
 use super::surface::Surface;
 use super::tally::Tally;
 use super::vertices::Vertices;
-use super::{Drawing, Normals, WaveletMesh};
+use super::{DetailFrame, Drawing, Edited, Normals, WaveletError, WaveletMesh};
 
 /// One drawn instance, with the values of its vertices. Many share one mesh and its values; each is independent, and may
 /// move to another thread.
@@ -135,6 +135,73 @@ impl<V: Blend + Copy> WaveletLod<V> {
         };
         lod.set_options(LodOptions::default());
         Ok(lod)
+    }
+
+    /// Edits the mesh ([`WaveletMesh::edit`]) and draws it as it is then; `value` gives vertices that are elsewhere their new values.
+    /// The next call asks a view about all that is drawn.
+    ///
+    /// In place where no one else holds the mesh, or the values; else in a copy, O(n), which this instance keeps: hand it to others
+    /// by [`replace`](Self::replace).
+    ///
+    /// # Errors
+    /// Those of [`WaveletMesh::edit`]; then nothing has changed.
+    pub fn edit(
+        &mut self,
+        level: usize,
+        moves: &[(u32, [f32; 3])],
+        frame: DetailFrame,
+        mut value: impl FnMut(&WaveletMesh, u32) -> V,
+    ) -> Result<Edited, WaveletError> {
+        let edited = Arc::make_mut(&mut self.mesh).edit(level, moves, frame)?;
+        let values = Arc::make_mut(self.shown.vertices.own_values());
+        for &vertex in &edited.vertices {
+            values[vertex as usize] = value(&self.mesh, vertex);
+        }
+        self.revalue(&edited.vertices);
+        Ok(edited)
+    }
+
+    /// Draws a mesh of the same connectivity instead: one that was edited. `changed` are the vertices whose values differ from those
+    /// so far, in any order; cuts and what is on its way stay. The next call asks a view about all that is drawn.
+    ///
+    /// O(what changed); where the mesh is another in memory, connectivities are compared, O(n).
+    ///
+    /// # Errors
+    /// The mesh has another connectivity or other materials, there are not as many values as vertices, or a vertex that changed is not
+    /// there; then nothing has changed.
+    pub fn replace(
+        &mut self,
+        mesh: Arc<WaveletMesh>,
+        values: Arc<[V]>,
+        changed: &[u32],
+    ) -> Result<(), WaveletError> {
+        if !Arc::ptr_eq(&mesh, &self.mesh) && !mesh.is_like(&self.mesh) {
+            return Err(WaveletError::Invalid { what: "another connectivity or other materials", at: 0 });
+        }
+        let (found, expected) = (values.len(), mesh.subdivision().vertex_count());
+        if found != expected {
+            return Err(WaveletError::Length { what: "values", found, expected });
+        }
+        if let Some(&vertex) = changed.iter().find(|&&vertex| vertex as usize >= expected) {
+            return Err(WaveletError::Invalid { what: "there is no such vertex", at: vertex as usize });
+        }
+        self.mesh = mesh;
+        *self.shown.vertices.own_values() = values;
+        self.revalue(changed);
+        Ok(())
+    }
+
+    /// Takes in new values of vertices, and that bounds may be others.
+    fn revalue(&mut self, changed: &[u32]) {
+        let Shown { surface, vertices } = &mut self.shown;
+        vertices.revalue(self.mesh.subdivision(), surface, changed);
+        self.shown.write(&self.mesh);
+        self.forgets = true;
+    }
+
+    /// The values of vertices at their own places, drawn or not.
+    pub fn own_values(&self) -> &Arc<[V]> {
+        self.shown.vertices.values_at_rest()
     }
 
     /// With these limits.

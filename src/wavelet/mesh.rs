@@ -35,6 +35,9 @@ pub struct WaveletMesh {
     pub(super) bounds: Vec<WaveletBounds>,
     pub(super) options: WaveletOptions,
     pub(super) diagonal: f64,
+    /// The box around all vertices; `None` without any.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) extent: Option<[[f32; 3]; 2]>,
 }
 
 impl WaveletMesh {
@@ -63,7 +66,7 @@ impl WaveletMesh {
     ) -> Result<Self, WaveletError> {
         let topology = Topology::new(mesh);
         let input = mesh.triangles().as_flattened();
-        let base_count = found.base_faces() as usize;
+        let base_count = found.base_faces();
         let (split, leaves) = (found.split(), found.leaves());
 
         // Corners of all faces as corners of the input, from the finest to the coarsest.
@@ -115,7 +118,8 @@ impl WaveletMesh {
         let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
         loop {
             let level = builder.last_level();
-            if !builder.split(split[level.start as usize..level.end as usize].to_vec())? {
+            let flags = split[level.start as usize..level.end as usize].to_vec();
+            if !builder.split(flags)? {
                 break;
             }
         }
@@ -176,16 +180,28 @@ impl WaveletMesh {
             bounds: Vec::new(),
             options: *options,
             diagonal: 0.0,
+            extent: None,
         };
-        mesh.diagonal = mesh.find_diagonal();
+        mesh.measure();
         mesh.bounds = bounds(&mesh);
         Ok(mesh)
     }
 
-    /// Of the box around all vertices, which faces all use.
-    pub(super) fn find_diagonal(&self) -> f64 {
-        let [low, high] = self.extent().unwrap_or_default();
-        (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
+    /// Finds the box around all vertices, which faces all use.
+    pub(super) fn measure(&mut self) {
+        let mut positions = self.vertices.positions().iter();
+        let first = positions.next().copied();
+        self.set_box(first.map(|first| {
+            positions.fold([first; 2], |[low, high], p| {
+                [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
+            })
+        }));
+    }
+
+    pub(super) fn set_box(&mut self, extent: Option<[[f32; 3]; 2]>) {
+        let [low, high] = extent.unwrap_or_default();
+        self.extent = extent;
+        self.diagonal = (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt();
     }
 
     /// The connectivity.
@@ -204,6 +220,13 @@ impl WaveletMesh {
         &self.materials
     }
 
+    /// Whether the connectivity and the materials are those of another.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.subdivision == other.subdivision
+            && self.materials == other.materials
+            && self.group_of == other.group_of
+    }
+
     /// How bounds were made.
     pub fn options(&self) -> &WaveletOptions {
         &self.options
@@ -220,10 +243,7 @@ impl WaveletMesh {
 
     /// Smallest and largest corner of the box around all vertices; `None` without faces.
     pub fn extent(&self) -> Option<[[f32; 3]; 2]> {
-        let first = *self.vertices.positions().first()?;
-        Some(self.vertices.positions().iter().fold([first; 2], |[low, high], p| {
-            [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
-        }))
+        self.extent
     }
 
     /// Length of the diagonal of that box, object units.

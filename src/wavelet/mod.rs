@@ -11,9 +11,13 @@
 //! | `subdivision.rs` | [`Subdivision`]: faces, wavelets, parents and children, most of it arithmetic |
 //! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
+//! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
+//! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
+//! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
 //! | `bounds.rs` | what leaving a wavelet out can change |
 //! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
 //! | `truncate.rs` | the wavelets that change most, as many as fit |
+//! | `edit.rs` | moving vertices of a level, with all that is finer |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
@@ -21,9 +25,13 @@
 //! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
+mod atlas;
 mod bounds;
 mod build;
 mod builder;
+mod charts;
+mod domain;
+mod edit;
 mod error;
 mod instance;
 mod mesh;
@@ -31,6 +39,7 @@ mod options;
 mod parts;
 mod quadrisection;
 mod recognise;
+mod sampler;
 mod subdivision;
 mod surface;
 mod tally;
@@ -39,8 +48,11 @@ mod truncate;
 mod validate;
 mod vertices;
 
+pub use atlas::{Atlas, AtlasOptions, ChartSize};
 pub use bounds::WaveletBounds;
 pub use builder::{Face, Midpoint, WaveletBuilder};
+pub use domain::DomainPoint;
+pub use edit::{DetailFrame, Edited};
 pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
@@ -48,5 +60,6 @@ pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
 pub use parts::WaveletParts;
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};
+pub use sampler::{SurfacePoint, SurfaceSampler};
 pub use subdivision::Subdivision;
 pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};

@@ -63,8 +63,9 @@ impl TryFrom<WaveletParts> for WaveletMesh {
     fn try_from(parts: WaveletParts) -> Result<Self, WaveletError> {
         let subdivision = parts.grow()?;
         let WaveletParts { vertices, materials, group_of, bounds, options, .. } = parts;
-        let mut mesh = Self { subdivision, vertices, materials, group_of, bounds, options, diagonal: 0.0 };
-        mesh.diagonal = mesh.find_diagonal();
+        let mut mesh =
+            Self { subdivision, vertices, materials, group_of, bounds, options, diagonal: 0.0, extent: None };
+        mesh.measure();
         mesh.check_values()?;
         Ok(mesh)
     }

@@ -85,7 +85,8 @@ pub struct Subdivision {
     pub(super) seams: Vec<(u32, u32)>,
     /// Wavelets at whose midpoints children of one face have several vertices: a seam runs inside it. Ascending.
     pub(super) torn: Vec<u32>,
-    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending.
+    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending. Where that
+    /// is the side of a face that is not split, the vertex is at no other.
     pub(super) doubles: Vec<(u32, Side)>,
 }
 
@@ -249,11 +250,19 @@ impl Subdivision {
     /// second: one, but where a seam runs inside the face.
     #[inline]
     pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
-        if !self.seams.is_empty() && self.is_split(face) {
+        let own = self.base_vertices + wavelet;
+        if self.doubles.is_empty() {
+            return [own; 2];
+        }
+        if self.is_split(face) {
             return [(side, 1), ((side + 1) % 3, 2)]
                 .map(|(child, k)| self.corner(self.child(face, child), k));
         }
-        [self.base_vertices + wavelet; 2]
+        let is_at = |&double: &u32| {
+            let at = self.doubles[double as usize - self.base_vertices as usize - self.along.len()].1;
+            at.face() == face && at.side() == side
+        };
+        [self.doubles_of(wavelet).find(is_at).unwrap_or(own); 2]
     }
 
     /// The wavelet on a side of a split face.
@@ -279,6 +288,12 @@ impl Subdivision {
     pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
+    }
+
+    /// Lets all sides' midpoints be their wavelets' own vertices.
+    pub(super) fn forget_seams(&mut self) {
+        (self.seams, self.torn, self.doubles) = (Vec::new(), Vec::new(), Vec::new());
+        self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
 
     /// The wavelet on an edge inside a split face, from `m_i` to `m_(i+1)`, or `NONE`.
@@ -404,11 +419,50 @@ impl Subdivision {
     /// range. O(1) on average.
     pub fn ends(&self, vertex: u32) -> Option<[u32; 2]> {
         let at = vertex.checked_sub(self.base_vertices)? as usize;
-        let along = match self.along.get(at) {
-            Some(along) => along[0],
-            None => self.doubles.get(at - self.along.len())?.1,
-        };
-        Some(self.side_ends(along))
+        match self.along.get(at) {
+            Some(along) => Some(self.side_ends(along[0])),
+            None => {
+                let &(wavelet, along) = self.doubles.get(at - self.along.len())?;
+                Some(self.ends_beside(wavelet, along))
+            }
+        }
+    }
+
+    /// The ends of a wavelet's edge as seen from a side that it is on, which may reach farther. O(level).
+    fn ends_beside(&self, wavelet: u32, side: Side) -> [u32; 2] {
+        let mut ends = [NONE; 2];
+        for (whole, half) in self.wholes(wavelet, side.face()) {
+            let end = &mut ends[1 - half];
+            if *end == NONE {
+                *end = self.vertices_at(whole, side.face(), side.side())[0];
+            }
+            if !ends.contains(&NONE) {
+                return ends;
+            }
+        }
+        let far = self.side_ends(side);
+        [0, 1].map(|end| if ends[end] == NONE { far[end] } else { ends[end] })
+    }
+
+    /// The wavelets whose edges a wavelet's is a part of, from the next coarser one on, each with the half that the one before
+    /// it is; down to the level that a face is split to, or would be. Edges of one direction all.
+    pub(super) fn wholes(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let start = self.face_levels[self.level_of_face(face) + 1];
+        let mut along = self.along[wavelet as usize][0];
+        std::iter::from_fn(move || {
+            if along.face() < start {
+                return None;
+            }
+            let (parent, rank, child) = self.parent(along.face())?;
+            let (side, half) = match (child, along.side()) {
+                (3, _) | (_, 1) => return None,
+                (corner, 0) => (corner, 0),
+                (corner, _) => ((corner + 2) % 3, 1),
+            };
+            let half = half ^ usize::from(along.against());
+            along = Side::new(parent, side, along.against());
+            Some((self.sides[rank][side] & !SEAM, half))
+        })
     }
 
     /// The vertices at the ends of a side, in the direction of the edge.

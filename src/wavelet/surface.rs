@@ -23,7 +23,7 @@ use super::tally::{Tally, Witness};
 struct Edge {
     wavelet: u32,
     against: bool,
-    /// The face and side that it is; `NONE` beyond the deepest split on this side, or inside the face.
+    /// The face and side that it is, or that it is a part of where the face is not split; `NONE` inside the face.
     face: u32,
     side: usize,
 }
@@ -31,7 +31,15 @@ struct Edge {
 impl Edge {
     /// One that nothing lies on.
     const BARE: Self = Self { wavelet: NONE, against: false, face: NONE, side: 0 };
+
+    fn new(of: &Subdivision, face: u32, side: usize) -> Self {
+        let (wavelet, against) = of.side(face, side);
+        Self { wavelet, against, face, side }
+    }
 }
+
+/// Polygons that are yet to be cut, each a triangle with what lies on its sides.
+type Stack = Vec<([u32; 3], [Edge; 3])>;
 
 /// A triangle in the buffer: whose it is, and the others of the same face.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +98,7 @@ pub(super) struct Surface {
     /// One per material.
     groups: Vec<Group>,
     changes: Changes,
-    stack: Vec<([u32; 3], [Edge; 3])>,
+    stack: Stack,
     cut: Vec<[u32; 3]>,
 }
 
@@ -172,10 +180,7 @@ impl Surface {
         if !tally.is_there(of, face) || tally.splits(of, face) {
             return;
         }
-        let edge = |face: u32, side: usize| {
-            let (wavelet, against) = of.side(face, side);
-            Edge { wavelet, against, face, side }
-        };
+        let edge = |face: u32, side: usize| Edge::new(of, face, side);
         let corners = of.corners(face);
         match tally.cut_corner(of, face) {
             None => stack.push((corners, [0, 1, 2].map(|side| edge(face, side)))),
@@ -192,22 +197,7 @@ impl Surface {
                 stack.push(([near, corners[k], far], [Edge::BARE, end, inside]));
             }
         }
-        while let Some((corners, edges)) = stack.pop() {
-            let used = |edge: &Edge| edge.wavelet != NONE && tally.is_used(edge.wavelet);
-            let Some(k) = edges.iter().position(used) else {
-                cut.push(corners);
-                continue;
-            };
-            let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-            let [edge, next, last] = [0, 1, 2].map(|i| edges[(k + i) % 3]);
-            let middle = match edge.face {
-                NONE => [of.vertex_of(edge.wavelet); 2],
-                face => of.vertices_at(edge.wavelet, face, edge.side),
-            };
-            let [first, second] = halves(of, &edge);
-            stack.push(([a, middle[0], c], [first, Edge::BARE, last]));
-            stack.push(([middle[1], b, c], [second, next, Edge::BARE]));
-        }
+        cut_all(of, stack, |wavelet| tally.is_used(wavelet), |triangle| cut.push(triangle));
     }
 
     /// Writes the triangles found in place of those that a face had.
@@ -314,18 +304,44 @@ impl Group {
     }
 }
 
+/// Cuts triangles wherever a vertex in use lies on their sides.
+fn cut_all(
+    of: &Subdivision,
+    stack: &mut Stack,
+    is_used: impl Fn(u32) -> bool,
+    mut visit: impl FnMut([u32; 3]),
+) {
+    while let Some((corners, edges)) = stack.pop() {
+        let used = |edge: &Edge| edge.wavelet != NONE && is_used(edge.wavelet);
+        let Some(k) = edges.iter().position(used) else {
+            visit(corners);
+            continue;
+        };
+        let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+        let [edge, next, last] = [0, 1, 2].map(|i| edges[(k + i) % 3]);
+        let middle = of.vertices_at(edge.wavelet, edge.face, edge.side);
+        let [first, second] = halves(of, &edge);
+        stack.push(([a, middle[0], c], [first, Edge::BARE, last]));
+        stack.push(([middle[1], b, c], [second, next, Edge::BARE]));
+    }
+}
+
+/// The triangles of a face that is not split at full resolution: more than one where neighbours are split deeper. In an order
+/// that does not depend on how vertices are numbered.
+pub(super) fn finest_triangles(of: &Subdivision, face: u32, visit: impl FnMut([u32; 3])) {
+    let mut stack = vec![(of.corners(face), [0, 1, 2].map(|side| Edge::new(of, face, side)))];
+    cut_all(of, &mut stack, |_| true, visit);
+}
+
 /// The two halves of a side, in its own direction.
 fn halves(of: &Subdivision, edge: &Edge) -> [Edge; 2] {
-    if edge.face != NONE && of.is_split(edge.face) {
-        return [(edge.side, 0), ((edge.side + 1) % 3, 2)].map(|(child, side)| {
-            let face = of.child(edge.face, child);
-            let (wavelet, against) = of.side(face, side);
-            Edge { wavelet, against, face, side }
-        });
+    if of.is_split(edge.face) {
+        return [(edge.side, 0), ((edge.side + 1) % 3, 2)]
+            .map(|(child, side)| Edge::new(of, of.child(edge.face, child), side));
     }
     let mut halves = of.halves(edge.wavelet);
     if edge.against {
         halves.reverse();
     }
-    halves.map(|wavelet| Edge { wavelet, against: edge.against, face: NONE, side: 0 })
+    halves.map(|wavelet| Edge { wavelet, ..*edge })
 }

@@ -70,7 +70,10 @@ impl Seeds<'_> {
             let at = self.seams.binary_search_by_key(&corner, |seam| seam[0]);
             at.map_or(NONE, |at| self.seams[at][1])
         };
-        let of = builder.finish(key);
+        let of = match self.seams {
+            [] => builder.finish_without_seams(),
+            _ => builder.finish(key),
+        };
         expect("vertices", self.vertices, of.vertex_count())?;
         same("the wavelets along base face", self.sides, &sides(&of))?;
         same("the bits of split faces, word", self.split, &split(&of))?;

@@ -256,6 +256,57 @@ impl<V: Blend + Copy> Vertices<V> {
         }
     }
 
+    /// Values at their own places, to be replaced by as many; then [`Vertices::revalue`].
+    pub fn own_values(&mut self) -> &mut Arc<[V]> {
+        &mut self.values
+    }
+
+    /// Values at their own places.
+    pub fn values_at_rest(&self) -> &Arc<[V]> {
+        &self.values
+    }
+
+    /// Takes in that vertices have other values at their own places: they are to be drawn anew, and what is between them.
+    pub fn revalue(&mut self, of: &Subdivision, surface: &Surface, changed: &[u32]) {
+        let mut corners: Vec<u32> = Vec::new();
+        for &vertex in changed {
+            let Some(wavelet) = of.wavelet_of(vertex) else {
+                corners.push(vertex);
+                continue;
+            };
+            if surface.tally().is_used(wavelet) {
+                // Or it would be taken for drawn already.
+                self.state[wavelet as usize] &= !AT_REST;
+                self.enqueue(of, wavelet);
+            }
+            // Those on their way build on the place of a vertex even where it is elsewhere itself.
+            self.wake_dependents(of, surface, wavelet);
+        }
+        corners.sort_unstable();
+        corners.dedup();
+        for &vertex in &corners {
+            self.draw(vertex, self.values[vertex as usize], false);
+        }
+        if corners.is_empty() {
+            return;
+        }
+        let is_changed = |vertex: u32| corners.binary_search(&vertex).is_ok();
+        for face in 0..of.base_face_count() as u32 {
+            let ends = of.corners(face).map(is_changed);
+            for k in (0..3).filter(|&k| ends[k] || ends[(k + 1) % 3]) {
+                let (wavelet, against) = of.side(face, k);
+                let ends = [ends[k], ends[(k + 1) % 3]];
+                for end in (0..2).filter(|&end| ends[end]) {
+                    let mut spoke = wavelet;
+                    while spoke != NONE && surface.tally().is_used(spoke) {
+                        self.enqueue(of, spoke);
+                        spoke = of.halves(spoke)[end ^ usize::from(against)];
+                    }
+                }
+            }
+        }
+    }
+
     /// The values that are drawn.
     pub fn drawn(&self) -> &[V] {
         &self.drawn

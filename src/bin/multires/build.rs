@@ -10,7 +10,9 @@ use multires::mesh::Mesh;
 use multires::simplify::CollapseSequence;
 use multires::tom::TomMesh;
 use multires::view::ErrorShape;
-use multires::wavelet::{Component, ErrorBound, WaveletError, WaveletMesh, WaveletOptions, recognise};
+use multires::wavelet::{
+    Component, ErrorBound, WaveletError, WaveletMesh, WaveletOptions, recognise_across_seams,
+};
 use serde_json::{Value, json};
 
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
@@ -238,7 +240,7 @@ impl Build {
             _ => Failure::Input(format!("{}: {error}", self.input.display())),
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        let components = recognise(&mesh).components;
+        let components = recognise_across_seams(&mesh).components;
         io::write_baked(&self.output, WaveletMesh::KIND, &bundle)
             .map_err(|error| files::baked(&self.output, &error))?;
 
@@ -272,9 +274,8 @@ impl Build {
 }
 
 /// What to do with a mesh that is no subdivision.
-const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; tools that subdivide triangles in four (Loop, \
-                       midpoint) make such meshes, as long as seams and materials follow the edges of the coarse one (--drop \
-                       leaves out attributes)";
+const WAY_OUT: &str =
+    "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint)";
 
 /// Components that are listed for people; more are counted.
 const LISTED: usize = 12;
