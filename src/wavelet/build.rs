@@ -7,7 +7,7 @@
 use crate::mesh::{Edges, NONE};
 
 use super::WaveletError;
-use super::subdivision::{MOST_ALONG, MOST_FACES, Side, Subdivision};
+use super::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
 
 /// A subdivision under construction. All of a level is split, or not, before the next.
 #[derive(Debug)]
@@ -133,6 +133,10 @@ impl SubdivisionBuilder {
         }
         let end = faces.end as usize + 4 * new.len();
         check_faces(end)?;
+        if self.done.depth() >= MOST_LEVELS {
+            let count = self.done.depth() + 1;
+            return Err(WaveletError::TooMany { what: "levels", count, limit: MOST_LEVELS });
+        }
 
         // Wavelets, in the order of the faces.
         let first = self.done.along.len() as u32;

@@ -14,7 +14,7 @@
 //! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
 //! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
-//! | `bounds.rs` | what leaving a wavelet out can change |
+//! | `bounds.rs`, `left_out.rs` | what leaving a wavelet out can change |
 //! | `edit.rs` | moving vertices of a level, with all that is finer |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
@@ -31,6 +31,7 @@ mod domain;
 mod edit;
 mod error;
 mod instance;
+mod left_out;
 mod mesh;
 mod options;
 mod quadrisection;

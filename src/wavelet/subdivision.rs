@@ -19,6 +19,8 @@ use crate::mesh::NONE;
 
 /// Most faces of all levels: a face, its side and a direction fit 31 bits.
 pub(super) const MOST_FACES: usize = 1 << 28;
+/// Most levels: places on the base are exact in double precision, and recursion down the levels ends.
+pub(super) const MOST_LEVELS: usize = 52;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
 /// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
