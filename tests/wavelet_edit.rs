@@ -70,6 +70,10 @@ fn meshes(seed: u64, options: &WaveletOptions) -> Vec<(String, WaveletMesh, Mesh
             all.push((format!("{name}, {kind}"), mesh, base.clone(), split));
         }
     }
+    // Deeper than errors are looked at one by one.
+    let (base, split) = (shapes::tetrahedron(), Split { levels: 9, patchy: true });
+    let rough = rough(seed, 0.25);
+    all.push(("deep".to_owned(), build(&base, split, options, |_, midpoint| rough(midpoint)), base, split));
     all
 }
 
