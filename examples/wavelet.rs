@@ -62,6 +62,8 @@ const USAGE: &str =
 const TERRAIN: u32 = 1025;
 /// Every how many frames pictures are compared.
 const COMPARE_EVERY: usize = 60;
+/// Errors inside and on the silhouette at which they are, pixels.
+const TOLERANCES: [[f32; 2]; 4] = [[1.0, 1.0], [1.0, 0.25], [0.5, 0.5], [0.25, 0.25]];
 /// From the middle, in diagonals: far and near.
 const FAR: f64 = 1.3;
 const NEAR: f64 = 0.5;
@@ -196,30 +198,7 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
 
     let painted = Painted::new(&mesh, model.paint)?;
     let plates = Plates { mesh: &mesh, painted: &painted, pixels: model.pixels };
-    writeln!(
-        says,
-        "\ndifference from the full mesh, {} x {}, levels of 255, mean (worst) of every {COMPARE_EVERY}th frame",
-        COMPARED[0], COMPARED[1]
-    )?;
-    for pixels in [[1.0, 1.0], [1.0, 0.25]] {
-        let compared: Result<Vec<_>, _> =
-            poses.iter().step_by(COMPARE_EVERY).map(|pose| plates.difference(pose, pixels)).collect();
-        let compared = compared?;
-        let both = |of: fn(&Difference) -> f64| {
-            let worst = compared.iter().map(of).fold(0.0, f64::max);
-            let mean = compared.iter().map(of).sum::<f64>() / compared.len().max(1) as f64;
-            format!("{mean:.3} ({worst:.3})")
-        };
-        writeln!(
-            says,
-            "{} px, silhouette {} px: textured {}, of pixels that show both {}; flat shaded {}",
-            pixels[0],
-            pixels[1],
-            both(|d| d.textured),
-            both(|d| d.inside),
-            both(|d| d.flat)
-        )?;
-    }
+    compare(&plates, &poses, says)?;
     if let Some(pose) = poses.get(model.pictured.min(poses.len().saturating_sub(1))) {
         let pictures = [
             ("beside.png", plates.beside(pose)?),
@@ -232,6 +211,40 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
         }
     }
     Ok(writeln!(says, "{}\n", out.display())?)
+}
+
+/// How different the adapted mesh looks, by tolerance.
+fn compare(plates: &Plates<'_>, poses: &[Pose], says: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let poses: Vec<&Pose> = poses.iter().step_by(COMPARE_EVERY).collect();
+    let compared: Result<Vec<_>, _> =
+        poses.iter().map(|pose| plates.differences(pose, &TOLERANCES)).collect();
+    let compared = compared?;
+    writeln!(
+        says,
+        "\ndifference from the full mesh, {} x {}, levels of 255, mean (worst) of {} frames",
+        COMPARED[0],
+        COMPARED[1],
+        poses.len()
+    )?;
+    writeln!(says, "px, silhouette            lit       textured    where both are   flat shaded")?;
+    for (at, pixels) in TOLERANCES.iter().enumerate() {
+        let both = |of: fn(&Difference) -> f64| {
+            let all = || compared.iter().filter_map(|frame| frame.get(at)).map(of);
+            format!(
+                "{:.2} ({:.2})",
+                all().sum::<f64>() / poses.len().max(1) as f64,
+                all().fold(0.0, f64::max)
+            )
+        };
+        let [lit, textured, inside, flat] =
+            [both(|d| d.lit), both(|d| d.textured), both(|d| d.inside), both(|d| d.flat)];
+        writeln!(
+            says,
+            "{:<4} {:<10} {lit:>14} {textured:>14} {inside:>17} {flat:>13}",
+            pixels[0], pixels[1]
+        )?;
+    }
+    Ok(())
 }
 
 /// Without the first frame, which comes from the coarsest mesh.

@@ -23,6 +23,9 @@ struct Texture {
     colours: Vec<[u8; 3]>,
 }
 
+/// A surface and the colours of its vertices.
+pub type Coloured = (Mesh, Vec<[u8; 3]>);
+
 pub struct Painted {
     /// The full resolution, by the wavelet mesh's own vertices.
     triangles: Vec<[u32; 3]>,
@@ -77,7 +80,7 @@ impl Painted {
         mesh: &WaveletMesh,
         shows: impl Fn(u32) -> bool,
         pixel: f64,
-    ) -> Result<(Mesh, Vec<[u8; 3]>), Box<dyn Error>> {
+    ) -> Result<Coloured, Box<dyn Error>> {
         let mut places = mesh.vertices().positions().to_vec();
         for &(wavelet, vertex, ends) in &self.order {
             if !shows(wavelet) {

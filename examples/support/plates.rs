@@ -63,10 +63,23 @@ impl Plates<'_> {
         pose: &Pose,
         size: [usize; 2],
     ) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+        let [_, textured] = self.lit_and_textured(shows, pose, size)?;
+        Ok(textured)
+    }
+
+    /// With the normals of the full resolution; in one colour, and in those painted on it.
+    fn lit_and_textured(
+        &self,
+        shows: impl Fn(u32) -> bool,
+        pose: &Pose,
+        size: [usize; 2],
+    ) -> Result<[Vec<[u8; 3]>; 2], Box<dyn Error>> {
         let pixel = Pose::slopes()[1] * 2.0 / size[1] as f64 * (pose.eye - pose.target).length();
         let (surface, colours) = self.painted.on(self.mesh, shows, pixel)?;
-        let options = options(size).with_colours(Colours::PerVertex(colours));
-        Ok(render(&surface, &camera(pose), &options)?.pixels().to_vec())
+        let painted = options(size).with_colours(Colours::PerVertex(colours));
+        let [lit, painted] =
+            [options(size), painted].map(|options| render(&surface, &camera(pose), &options));
+        Ok([lit?.pixels().to_vec(), painted?.pixels().to_vec()])
     }
 
     /// Full and adapted, each flat shaded and textured (Fig. 8).
@@ -135,26 +148,33 @@ impl Plates<'_> {
         Ok(sheet(&rows, &[]))
     }
 
-    /// How different the adapted mesh looks from the full one where errors may look that large inside and on silhouettes.
-    pub fn difference(&self, pose: &Pose, pixels: [f32; 2]) -> Result<Difference, Box<dyn Error>> {
-        let lod = self.adapted(pose, COMPARED, pixels)?;
-        let textured =
-            [self.textured(|_| true, pose, COMPARED)?, self.textured(|w| lod.shows(w), pose, COMPARED)?];
-        let flat = [
-            self.flat(&self.mesh.finest(Normals::Kept), pose, COMPARED)?,
-            self.flat(&lod.to_mesh(Normals::Kept), pose, COMPARED)?,
-        ];
-        Ok(Difference {
-            textured: mean_difference(&textured, |shown| shown != [false; 2]),
-            inside: mean_difference(&textured, |shown| shown == [true; 2]),
-            flat: mean_difference(&flat, |shown| shown != [false; 2]),
-        })
+    /// How different the adapted mesh looks from the full one, where errors may look that large inside and on silhouettes.
+    pub fn differences(&self, pose: &Pose, pixels: &[[f32; 2]]) -> Result<Vec<Difference>, Box<dyn Error>> {
+        let [lit, textured] = self.lit_and_textured(|_| true, pose, COMPARED)?;
+        let flat = self.flat(&self.mesh.finest(Normals::Kept), pose, COMPARED)?;
+        let one = |&pixels: &[f32; 2]| {
+            let lod = self.adapted(pose, COMPARED, pixels)?;
+            let [adapted_lit, adapted] = self.lit_and_textured(|w| lod.shows(w), pose, COMPARED)?;
+            Ok(Difference {
+                lit: mean_difference(&lit, &adapted_lit, |shown| shown != [false; 2]),
+                textured: mean_difference(&textured, &adapted, |shown| shown != [false; 2]),
+                inside: mean_difference(&textured, &adapted, |shown| shown == [true; 2]),
+                flat: mean_difference(
+                    &flat,
+                    &self.flat(&lod.to_mesh(Normals::Kept), pose, COMPARED)?,
+                    |shown| shown != [false; 2],
+                ),
+            })
+        };
+        pixels.iter().map(one).collect()
     }
 }
 
 /// In levels of 255, mean over channels and pixels, from the same eye.
 pub struct Difference {
-    /// Textured, over the pixels that show either (K_L1 of Southern, section 4.2.2).
+    /// In one colour, with the normals of the full resolution, over the pixels that show either (K_L1 of Southern, section 4.2.2).
+    pub lit: f64,
+    /// Textured too.
     pub textured: f64,
     /// The same over the pixels that show both.
     pub inside: f64,
@@ -162,7 +182,7 @@ pub struct Difference {
     pub flat: f64,
 }
 
-fn mean_difference([a, b]: &[Vec<[u8; 3]>; 2], counts: impl Fn([bool; 2]) -> bool) -> f64 {
+fn mean_difference(a: &[[u8; 3]], b: &[[u8; 3]], counts: impl Fn([bool; 2]) -> bool) -> f64 {
     let (mut sum, mut count) = (0_u64, 0_u64);
     for (p, q) in a.iter().zip(b).filter(|(p, q)| counts([**p, **q].map(|pixel| pixel != PAPER))) {
         sum += (0..3).map(|k| u64::from(p[k].abs_diff(q[k]))).sum::<u64>();
