@@ -12,7 +12,9 @@ use multires::wavelet::{ErrorBound, Triangulation, WaveletOptions};
 
 use crate::camera::Tolerances;
 use crate::renderer::Shading;
-use crate::scene::{BuildOptions, Builtin, Coordinates, LodSettings, Overlays, Source, Storage, StructureKind};
+use crate::scene::{
+    BuildOptions, Builtin, Coordinates, LodSettings, Overlays, Source, Storage, StructureKind,
+};
 
 /// Shows a model at the level of detail that the view asks for: in a window, or as pictures with --headless.
 ///

@@ -35,9 +35,7 @@ impl Builtin {
             Self::Rocks => {
                 let triangles = triangles.unwrap_or(20_000);
                 match structure {
-                    StructureKind::Wavelet => {
-                        shapes::rock((20.0 * edges(triangles, 20.0).powi(2)) as u32, 3)
-                    }
+                    StructureKind::Wavelet => shapes::rock((20.0 * edges(triangles, 20.0).powi(2)) as u32, 3),
                     _ => shapes::rock(triangles, 3),
                 }
             }

@@ -317,8 +317,8 @@ impl Model {
         let (mesh, texture) = worn.map_or((mesh, None), |(mesh, texture)| (mesh, Some(texture)));
         let mesh = Arc::new(mesh);
         let places: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
-        let mut full = WaveletLod::new(Arc::clone(&mesh), places, &Drawing::default())
-            .map_err(WaveletError::from)?;
+        let mut full =
+            WaveletLod::new(Arc::clone(&mesh), places, &Drawing::default()).map_err(WaveletError::from)?;
         full.adapt_by(&Everything, Motion::Other, f32::INFINITY);
         let triangles: Vec<[u32; 3]> =
             (0..full.groups()).flat_map(|group| full.triangles(group)).copied().collect();
