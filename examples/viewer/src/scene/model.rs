@@ -228,7 +228,8 @@ impl Model {
     /// Builds a structure from a mesh.
     ///
     /// # Errors
-    /// An option that makes no sense, a mesh without triangles, or without the connectivity that wavelets need, or `progress` said to stop.
+    /// An option that makes no sense, a mesh without triangles or without the connectivity that wavelets need, or `progress` said
+    /// to stop.
     pub fn build(mesh: &Mesh, options: &BuildOptions, progress: Progress<'_>) -> Result<Self, ModelError> {
         if mesh.triangles().is_empty() {
             return Err(ModelError::NoTriangles);
