@@ -74,7 +74,9 @@ impl Plates<'_> {
         pose: &Pose,
         size: [usize; 2],
     ) -> Result<[Vec<[u8; 3]>; 2], Box<dyn Error>> {
-        let pixel = Pose::slopes()[1] * 2.0 / size[1] as f64 * (pose.eye - pose.target).length();
+        // As wide as between rays.
+        let rays = size[1] * if size == SIZE { 2 } else { 1 };
+        let pixel = Pose::slopes()[1] * 2.0 / rays as f64 * (pose.eye - pose.target).length();
         let (surface, colours) = self.painted.on(self.mesh, shows, pixel)?;
         let painted = options(size).with_colours(Colours::PerVertex(colours));
         let [lit, painted] =
