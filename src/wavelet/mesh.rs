@@ -66,7 +66,7 @@ impl WaveletMesh {
     ) -> Result<Self, WaveletError> {
         let topology = Topology::new(mesh);
         let input = mesh.triangles().as_flattened();
-        let base_count = found.base_faces() as usize;
+        let base_count = found.base_faces();
         let (split, leaves) = (found.split(), found.leaves());
 
         // Corners of all faces as corners of the input, from the finest to the coarsest.
@@ -118,7 +118,8 @@ impl WaveletMesh {
         let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
         loop {
             let level = builder.last_level();
-            if !builder.split(split[level.start as usize..level.end as usize].to_vec())? {
+            let own = split[level.start as usize..level.end as usize].to_vec();
+            if !builder.split(own)? {
                 break;
             }
         }
