@@ -21,12 +21,14 @@
 mod chart;
 #[path = "support/flight.rs"]
 mod flight;
+#[path = "support/outside.rs"]
+mod outside;
 #[path = "support/png.rs"]
 mod png;
 #[path = "support/say.rs"]
 mod say;
-#[path = "support/strip.rs"]
-mod strip;
+#[path = "support/sheet.rs"]
+mod sheet;
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -43,8 +45,9 @@ use multires::adapt::LevelOfDetail;
 use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
 use multires::mesh::{Mesh, shapes};
 use multires::{Simplifier, io};
+use outside::Shot;
 use say::{grouped, name_file};
-use strip::Shot;
+use sheet::Cell;
 
 /// Bytes of a triangle's indices, and of a vertex (position and normal).
 const TRIANGLE: usize = 12;
@@ -148,7 +151,8 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     std::fs::write(&chart, draw(&frames)).map_err(|error| name_file(&chart, &error))?;
     let picture = out.join("frames.png");
     let shots = shots(&hierarchy, &positions, &poses, arguments.pixels)?;
-    png::save(strip::strip(&shots)?, 4, &picture).map_err(|error| name_file(&picture, &*error))?;
+    png::save(sheet::sheet(&shots, &outside::LEGEND), 4, &picture)
+        .map_err(|error| name_file(&picture, &*error))?;
     writeln!(says, "\n{}, {} and {}", csv.display(), chart.display(), picture.display())?;
     Ok(())
 }
@@ -185,13 +189,13 @@ fn shots(
     positions: &[[f32; 3]],
     poses: &[Pose],
     pixels: f32,
-) -> Result<Vec<Shot>, Box<dyn Error>> {
+) -> Result<Vec<Vec<Cell>>, Box<dyn Error>> {
     let mut lod = HierarchyLod::new(hierarchy.clone());
     let mut shots = Vec::new();
     for share in PICTURED {
         let number = (share * poses.len() as f64) as usize;
         let Some(pose) = poses.get(number) else { continue };
-        let view = pose.view(strip::SIZE.map(|n| n as u32))?.with_tolerance_px(pixels);
+        let view = pose.view(sheet::SIZE.map(|n| n as u32))?.with_tolerance_px(pixels);
         lod.adapt(&[view.of_world()]);
         let (mut triangles, mut materials) = (Vec::new(), Vec::new());
         for group in 0..lod.groups() {
@@ -205,7 +209,10 @@ fn shots(
             format!("{} of {} triangles", grouped(triangles.len()), grouped(hierarchy.triangle_count())),
         ];
         let mesh = Mesh::new(positions, triangles)?.with_materials(materials)?;
-        shots.push(Shot { mesh, pose: *pose, captions });
+        let shot = Shot { mesh, pose: *pose };
+        let pictures = [outside::view(&shot, 1.0)?, outside::outside(&shot)?];
+        let cells = pictures.into_iter().zip(captions);
+        shots.push(cells.map(|(pixels, caption)| Cell { pixels, caption }).collect());
     }
     Ok(shots)
 }

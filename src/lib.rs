@@ -28,7 +28,8 @@
 //! Taking detail away merges vertices, one step at a time. After any number of steps the mesh is *the image of the
 //! input's triangles under the merges, less those with two equal corners*. That is all the connectivity there is, so no
 //! step can lose or corrupt any, on open, non-manifold or otherwise odd meshes either. What the structures differ in is
-//! how they get at that image quickly.
+//! how they get at that image quickly. Only [`wavelet`] meshes take the other way: a coarse mesh and a sum of corrections, for
+//! meshes that were made by subdivision.
 //!
 //! # Rooms
 //!
@@ -38,6 +39,7 @@
 //! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
 //! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances; [`TomMesh`] to bake |
 //! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh; [`HierarchyLod`] for drawn instances; [`HierarchyMesh`] to bake |
+//! | [`wavelet`] | the [`WaveletMesh`](wavelet::WaveletMesh): the same for meshes with subdivision connectivity, where textures stay in place; [`WaveletLod`](wavelet::WaveletLod) for drawn instances |
 //! | [`view`] | where one looks from, and how large an error may be on the screen: [`View`](view::View) |
 //! | [`adapt`] | how a level of detail follows the view: [`LevelOfDetail`](adapt::LevelOfDetail), the cut, ranges that changed |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
@@ -45,8 +47,8 @@
 //! | [`error`] | what can be wrong with arrays that are handed in |
 //!
 //! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
-//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/quality.md`; why things are as they are in
-//! `docs/architecture.md`; figures in `docs/performance.md`.
+//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/wavelet.md`, `docs/guide/engine.md`,
+//! `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
 //!
 //! # Features
 //!
@@ -103,6 +105,10 @@ mod chapters {
     struct Tom;
     #[doc = include_str!("../docs/guide/hierarchy.md")]
     struct Hierarchy;
+    #[doc = include_str!("../docs/guide/wavelet.md")]
+    struct Wavelet;
     #[doc = include_str!("../docs/guide/quality.md")]
     struct Quality;
+    #[doc = include_str!("../docs/guide/engine.md")]
+    struct Engine;
 }

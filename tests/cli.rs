@@ -355,11 +355,11 @@ fn bad_usage_is_said_before_anything_is_read() {
         (&["simplify", i, "out.fbx", "--ratio", "1"], ".fbx"),
         (&["simplify", i, "out", "--ratio", "1"], "extension"),
         (&["build", i, b], "--structure"),
-        (&["build", i, b, "--structure", "wavelet"], "tom"),
+        (&["build", i, b, "--structure", "octree"], "tom"),
         (&["build", i, o, "--structure", "tom"], ".mres"),
         (&["build", i, b, "--structure", "tom", "--placement", "optimal"], "endpoint"),
         (&["extract", b, o], "--level"),
-        (&["extract", b, o, "--level", "2"], "from 0 to 1"),
+        (&["extract", b, o, "--level", "1.5"], "from 0 to 1"),
         (&["extract", b, o, "--ratio", "1", "--level", "1"], "--level"),
         (&["extract", b, "out.mres", "--ratio", "1"], "extension"),
     ] {

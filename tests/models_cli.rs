@@ -223,6 +223,128 @@ fn flips(mesh: &Mesh, sequence: &CollapseSequence) -> usize {
     flipped
 }
 
+/// Where the triangles of a mesh are: sorted, each from its lowest corner on.
+fn places(mesh: &Mesh) -> Vec<[[u32; 3]; 3]> {
+    let at = |v: u32| mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
+    let mut all: Vec<[[u32; 3]; 3]> = mesh.triangles().iter().map(|t| t.map(at)).collect();
+    all.iter_mut().for_each(|t| {
+        let low = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+        t.rotate_left(low);
+    });
+    all.sort_unstable();
+    all
+}
+
+/// The wavelets of one file, through all commands. Triangles of its base mesh; `None` where it was refused, with a line that
+/// names it and says what else to do.
+fn wavelets(file: &Path, folder: &Folder) -> Option<usize> {
+    let [baked, level, camera, frames] =
+        ["all.mres", "level.ply", "camera.csv", "frames.csv"].map(|n| folder.file(n));
+    let built = json("build", &[file, &baked], "--structure wavelet");
+    if built.code == Some(1) {
+        let reason = built.refusal();
+        let name = file.file_name().unwrap().to_string_lossy();
+        assert!(reason.contains(&*name), "{reason}");
+        assert!(io::read(file).is_err() || reason.contains("--structure hierarchy"), "{reason}");
+        assert!(folder.names().is_empty());
+        return None;
+    }
+    let built = built.answer();
+    let info = json("info", &[&baked], "").answer();
+    assert_eq!((&info["levels"], &info["wavelets"]), (&built["levels"], &built["wavelets"]));
+    let depth = info["levels"].as_u64().unwrap();
+    let extract = |how: &str| {
+        let answer = json("extract", &[&baked, &level], how).answer();
+        let mesh = io::read(&level).unwrap();
+        assert_eq!(answer["output"]["triangles"], mesh.triangles().len());
+        mesh
+    };
+    let mesh = io::read(file).unwrap();
+    let finest = extract(&format!("--level {depth}"));
+    assert_eq!(finest.triangles().len(), mesh.triangles().len(), "{file:?}");
+    assert!(places(&finest) == places(&mesh), "{file:?}");
+    let streams =
+        |mesh: &Mesh| mesh.attributes().iter().map(|a| (a.name().to_owned(), a.width())).collect::<Vec<_>>();
+    assert!(streams(&finest) == streams(&mesh), "{file:?}");
+    let euler = Report::welded(&mesh).euler_characteristic;
+    for how in ["--ratio 0.3", "--level 1", "--level 0"] {
+        let mesh = extract(how);
+        assert_eq!(Report::welded(&mesh).euler_characteristic, euler, "{file:?} {how}");
+    }
+    let base = io::read(&level).unwrap().triangles().len();
+    assert_eq!(info["base_triangles"], base);
+
+    let mut path = "frame,ex,ey,ez,tx,ty,tz\n".to_owned();
+    for frame in 0..20 {
+        let (angle, far) = (0.1 * f64::from(frame), 0.4 + 0.05 * f64::from(frame));
+        path += &format!("{frame},{},0.2,{},0,0,0\n", far * angle.sin(), far * angle.cos());
+    }
+    std::fs::write(&camera, &path).unwrap();
+    for style in ["--triangulation exact", "--triangulation minimal"] {
+        let view = "--eye 0.1,0.2,0.8 --target 0,0,0 --tolerance 2";
+        let said = json("adapt", &[&baked, &level], &format!("{view} {style}"));
+        // A box larger than single precision has no view from beyond it.
+        if said.code == Some(1) {
+            assert!(said.refusal().contains("finite"), "{file:?}");
+            continue;
+        }
+        let answer = said.answer();
+        let seen = io::read(&level).unwrap();
+        assert_eq!(answer["output"]["triangles"], seen.triangles().len());
+        assert_eq!(Report::welded(&seen).euler_characteristic, euler, "{file:?} {style}");
+        assert!((base..=mesh.triangles().len()).contains(&seen.triangles().len()), "{file:?} {style}");
+        let how = format!("--path {} --csv {} {style}", camera.display(), frames.display());
+        assert_eq!(json("fly", &[&baked], &how).answer()["frames"], 20);
+    }
+    for name in folder.names() {
+        std::fs::remove_file(folder.file(&name)).unwrap();
+    }
+    Some(base)
+}
+
+/// Every mesh here that has the connectivity, and how many faces its base has; some others.
+const BASES: [(&str, usize); 13] = [
+    ("3holes.ply", 450),
+    ("boat.obj", 2026),
+    ("bumpy-s2.ply", 2496),
+    ("bunny-rand-s1.obj", 500),
+    ("bunny-rand-s2.obj", 500),
+    ("bunny-rand-s3.ply", 500),
+    ("bunny-ssp-s1.obj", 499),
+    ("bunny-ssp-s2.obj", 499),
+    ("cube-uv-s1.obj", 12),
+    ("icosphere-s3.obj", 20),
+    ("penguin-s3.ply", 6720),
+    ("torus-s3.obj", 72),
+    ("homer.obj", 3000),
+];
+
+#[test]
+fn wavelets_of_subdivision_meshes() {
+    let (Some(mut files), Some(real)) = (models("subdivision"), models("real")) else { return };
+    files.extend(real.into_iter().filter(|file| file.ends_with("homer.obj") || file.ends_with("cow.obj")));
+    let folder = Folder::new("subdivision-wavelets");
+    let mut found = Vec::new();
+    for file in &files {
+        let name = file.file_name().unwrap().to_string_lossy();
+        let base = wavelets(file, &folder);
+        found.extend(base.map(|base| (name.into_owned(), base)));
+    }
+    found.sort();
+    let mut known = BASES.map(|(name, base)| (name.to_owned(), base));
+    known.sort();
+    assert_eq!(found, known);
+}
+
+#[test]
+fn wavelets_of_hostile_files() {
+    let Some(files) = models("hostile") else { return };
+    let folder = Folder::new("hostile-wavelets");
+    for file in &files {
+        let _ = wavelets(file, &folder);
+    }
+}
+
 /// Everything about one part of the collection; only the files named in `refused` may be.
 fn check(part: &str, refused: &[&str]) {
     let Some(files) = models(part) else { return };

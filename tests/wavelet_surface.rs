@@ -98,7 +98,7 @@ proptest! {
                 let mut lod = instance(&mesh, &drawing);
                 for step in 0..6 {
                     let view = view(&mesh, seed + step, px).of_world();
-                    let change = lod.adapt(&[view.clone()]);
+                    let change = lod.adapt(std::slice::from_ref(&view));
                     prop_assert_eq!(change.triangles, (0..lod.groups()).map(|g| lod.triangles(g).len()).sum::<usize>());
                     let fresh = lod.to_mesh(Normals::Kept);
                     let difference = differs(&drawn_positions(&lod), &positions(&fresh));

@@ -36,19 +36,24 @@ const WIDER: f64 = 1e-6;
 /// Where more than one in so many wavelets get new bounds, what they have in common is found for all of them first.
 const FEW: usize = 16;
 
-/// All bounds of one wavelet but the centre, which is its vertex: 16 bytes.
+/// Bounds of one wavelet but the centre, which is its vertex, and the shape of errors, which all share: 16 bytes. What the
+/// numbers mean is said at [`DeviationBounds`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Packed {
+pub struct WaveletBounds {
+    /// Radius of the sphere around all that changes where the wavelet is left out, object units.
     pub radius: f32,
+    /// Half-length of the shape around errors along the cone's axis, object units.
     pub along: f32,
+    /// The same across the axis.
     pub across: f32,
+    /// Axis in 127ths and half-angle in 255ths of a right angle of the cone of normals.
     pub cone: [i8; 4],
 }
 
-impl Packed {
+impl WaveletBounds {
     #[inline]
-    pub fn unpack(&self, centre: [f32; 3], shape: ErrorShape) -> DeviationBounds {
+    pub(super) fn unpack(&self, centre: [f32; 3], shape: ErrorShape) -> DeviationBounds {
         let Self { radius, along, across, cone } = *self;
         DeviationBounds { centre, radius, cone, shape, along, across }
     }
@@ -158,7 +163,7 @@ impl<'a> Grounds<'a> {
     }
 
     /// Bounds of a wavelet, given those of finer ones.
-    pub fn bounds(&self, wavelet: u32, finer: impl Fn(u32) -> Packed) -> Packed {
+    pub fn bounds(&self, wavelet: u32, finer: impl Fn(u32) -> WaveletBounds) -> WaveletBounds {
         let of = self.of;
         let shape = self.mesh.options().shape;
         let centre = self.mesh.vertices.positions()[of.vertex_of(wavelet) as usize];
@@ -213,7 +218,7 @@ impl<'a> Grounds<'a> {
             bounds.hold_errors_of(&finer(child).unpack(centre, shape));
         }
         let DeviationBounds { radius, cone, along, across, .. } = bounds;
-        Packed { radius, along, across, cone }
+        WaveletBounds { radius, along, across, cone }
     }
 }
 
@@ -224,17 +229,17 @@ fn room(diagonal: f64) -> f64 {
 }
 
 /// Bounds of every wavelet, from the finest to the coarsest. O(n x levels) at most.
-pub(super) fn bounds(mesh: &WaveletMesh) -> Vec<Packed> {
+pub(super) fn bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
     let grounds = Grounds::new(mesh, true);
     let of = mesh.subdivision();
-    let none = Packed { radius: 0.0, along: 0.0, across: 0.0, cone: [0; 4] };
+    let none = WaveletBounds { radius: 0.0, along: 0.0, across: 0.0, cone: [0; 4] };
     let mut all = vec![none; of.wavelet_count()];
     for level in (1..=of.depth()).rev() {
         let wavelets = of.wavelets_of(level);
         let (coarser, finer) = all.split_at_mut(wavelets.end as usize);
         let at = |wavelet: u32| finer[(wavelet - wavelets.end) as usize];
         let level = &mut coarser[wavelets.start as usize..];
-        let find = |(at_level, packed): (usize, &mut Packed)| {
+        let find = |(at_level, packed): (usize, &mut WaveletBounds)| {
             *packed = grounds.bounds(wavelets.start + at_level as u32, at);
         };
         #[cfg(feature = "parallel")]
@@ -269,12 +274,12 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
         let start = wavelets[..end].partition_point(|&wavelet| wavelet < level.start);
         let find = |&wavelet: &u32| grounds.bounds(wavelet, |finer| all[finer as usize]);
         #[cfg(feature = "parallel")]
-        let found: Vec<Packed> = {
+        let found: Vec<WaveletBounds> = {
             use rayon::prelude::*;
             wavelets[start..end].par_iter().map(find).collect()
         };
         #[cfg(not(feature = "parallel"))]
-        let found: Vec<Packed> = wavelets[start..end].iter().map(find).collect();
+        let found: Vec<WaveletBounds> = wavelets[start..end].iter().map(find).collect();
         for (&wavelet, packed) in wavelets[start..end].iter().zip(found) {
             all[wavelet as usize] = packed;
         }

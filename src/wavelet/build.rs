@@ -64,6 +64,18 @@ impl SubdivisionBuilder {
         }
         let runs = |p: &[u32; 3]| [0, 1, 2].map(|k| p[k] > p[(k + 1) % 3]);
         let against: Vec<[bool; 3]> = points.iter().map(runs).collect();
+        Ok(Self::with_edges(corners, vertex_count as u32, edges, against, edge_count))
+    }
+
+    /// From the edges of the base faces: which is on each side, none twice on one face and at most [`MOST_ALONG`] times in
+    /// all, and whether the side runs against it.
+    pub fn with_edges(
+        corners: Vec<[u32; 3]>,
+        vertex_count: u32,
+        edges: Vec<[u32; 3]>,
+        against: Vec<[bool; 3]>,
+        edge_count: usize,
+    ) -> Self {
         // A seam is where the two ends, in order, are not the same vertices in all faces.
         let mut seam = vec![false; edge_count];
         let mut first = vec![[NONE; 2]; edge_count];
@@ -82,12 +94,12 @@ impl SubdivisionBuilder {
         let done = Subdivision {
             base_sides: vec![[NONE; 3]; corners.len()],
             base: corners,
-            base_vertices: vertex_count as u32,
+            base_vertices: vertex_count,
             face_levels: vec![0, count],
             levels: vec![0],
             ..Subdivision::default()
         };
-        Ok(Self { done, split_faces: Vec::new(), edges, against, edge_count, seam, coarser: Vec::new() })
+        Self { done, split_faces: Vec::new(), edges, against, edge_count, seam, coarser: Vec::new() }
     }
 
     /// The subdivision so far; what is split in the last level is not known to it.
@@ -100,16 +112,34 @@ impl SubdivisionBuilder {
         self.done.faces_of(self.done.depth())
     }
 
+    /// Edges on seams that a split face is at.
+    fn torn(&self, split: &[bool]) -> Vec<bool> {
+        let mut torn = vec![false; self.edge_count];
+        for (edges, _) in self.edges.iter().zip(split).filter(|(_, split)| **split) {
+            edges.iter().for_each(|&edge| torn[edge as usize] = self.seam[edge as usize]);
+        }
+        torn
+    }
+
+    /// The first face of the last level that would be split only because one across a seam is. O(faces of the level).
+    pub fn first_dragged(&self, split: &[bool]) -> Option<u32> {
+        if !self.seam.contains(&true) {
+            return None;
+        }
+        let torn = self.torn(split);
+        let is_torn =
+            |(edges, split): (&[u32; 3], &bool)| !*split && edges.iter().any(|&edge| torn[edge as usize]);
+        let at = self.edges.iter().zip(split).position(is_torn)?;
+        Some(self.last_level().start + at as u32)
+    }
+
     /// Lets faces across a seam be split together, so that each side of a seam has vertices of its own.
     fn close(&self, split: &mut [bool]) {
         if !self.seam.contains(&true) {
             return;
         }
         loop {
-            let mut torn = vec![false; self.edge_count];
-            for (edges, _) in self.edges.iter().zip(&*split).filter(|(_, split)| **split) {
-                edges.iter().for_each(|&edge| torn[edge as usize] = self.seam[edge as usize]);
-            }
+            let torn = self.torn(split);
             let mut more = false;
             for (edges, split) in self.edges.iter().zip(split.iter_mut()) {
                 if !*split && edges.iter().any(|&edge| torn[edge as usize]) {
@@ -131,12 +161,12 @@ impl SubdivisionBuilder {
         if new.is_empty() {
             return Ok(false);
         }
+        if self.done.depth() == MOST_LEVELS {
+            let (count, limit) = (MOST_LEVELS + 1, MOST_LEVELS);
+            return Err(WaveletError::TooMany { what: "levels", count, limit });
+        }
         let end = faces.end as usize + 4 * new.len();
         check_faces(end)?;
-        if self.done.depth() >= MOST_LEVELS {
-            let count = self.done.depth() + 1;
-            return Err(WaveletError::TooMany { what: "levels", count, limit: MOST_LEVELS });
-        }
 
         // Wavelets, in the order of the faces.
         let first = self.done.along.len() as u32;
@@ -250,11 +280,17 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
+    /// The subdivision, where every wavelet has one vertex.
+    pub fn finish_without_seams(self) -> Subdivision {
+        let mut done = self.done;
+        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        done
+    }
+
     /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
     /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
-        let mut done = self.done;
-        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        let mut done = self.finish_without_seams();
         // Across a seam faces are split together.
         done.tell_apart(|of, along| of.is_split(along.face()), key);
         done

@@ -57,7 +57,7 @@ pub enum WaveletError {
         expected: usize,
     },
     /// Parts that do not fit together.
-    #[error("{what}, at {at}")]
+    #[error("{what} {at}")]
     Invalid {
         /// What is wrong.
         what: &'static str,

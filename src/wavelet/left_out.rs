@@ -18,7 +18,7 @@ use crate::mesh::NONE;
 use crate::view::{ErrorShape, Fit};
 
 use super::ErrorBound;
-use super::bounds::{Grounds, Packed};
+use super::bounds::{Grounds, WaveletBounds};
 
 /// Levels below a wavelet at which errors are looked at one by one, of all that is left out and of any.
 const LOOK_AT_ALL: u8 = 5;
@@ -39,7 +39,7 @@ pub(super) struct Search<'a, F> {
     pub finer: &'a F,
 }
 
-impl<F: Fn(u32) -> Packed> Search<'_, F> {
+impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
     /// Half-lengths of the smallest shape around them.
     pub fn fit(&self) -> [f32; 2] {
         let shape = self.grounds.mesh.options().shape;

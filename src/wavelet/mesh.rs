@@ -4,7 +4,7 @@ use crate::adapt::Refinements;
 use crate::mesh::{Mesh, NONE, Topology};
 use crate::view::DeviationBounds;
 
-use super::bounds::{Packed, bounds};
+use super::bounds::{WaveletBounds, bounds};
 use super::build::{Part, SubdivisionBuilder};
 use super::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
@@ -12,7 +12,7 @@ use super::surface::Surface;
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Most different materials: a group's number is 16 bits.
-const MOST_MATERIALS: usize = 1 << 16;
+pub(super) const MOST_MATERIALS: usize = 1 << 16;
 
 /// A mesh with subdivision connectivity: base faces, and a lazy wavelet for every vertex that subdivision added. Immutable but
 /// for [edits](Self::edit); made by recognising the connectivity of a mesh ([`WaveletMesh::recognise`]) or from a base mesh
@@ -22,8 +22,8 @@ const MOST_MATERIALS: usize = 1 << 16;
 /// cut is closed (Azuma et al., section 3.4), every vertex of a wavelet that is in it lies at its own place; the coefficient
 /// is [one subtraction](Self::coefficient) away.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::WaveletParts"))]
 pub struct WaveletMesh {
     pub(super) subdivision: Subdivision,
     /// Positions, attributes and locks of all vertices.
@@ -32,7 +32,7 @@ pub struct WaveletMesh {
     pub(super) materials: Vec<u32>,
     /// Per base face the place of its material there; empty where there are none.
     pub(super) group_of: Vec<u16>,
-    pub(super) bounds: Vec<Packed>,
+    pub(super) bounds: Vec<WaveletBounds>,
     pub(super) options: WaveletOptions,
     pub(super) diagonal: f64,
     /// The box around all vertices; `None` without any.
@@ -118,8 +118,8 @@ impl WaveletMesh {
         let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
         loop {
             let level = builder.last_level();
-            let own = split[level.start as usize..level.end as usize].to_vec();
-            if !builder.split(own)? {
+            let flags = split[level.start as usize..level.end as usize].to_vec();
+            if !builder.split(flags)? {
                 break;
             }
         }
@@ -132,7 +132,7 @@ impl WaveletMesh {
         };
         let subdivision = builder.finish(|_, face, side, part| key(face, side, part));
         if subdivision.split_count as usize != split_count {
-            return Err(WaveletError::Invalid { what: "seams run beside the edges of the base", at: 0 });
+            return Err(WaveletError::Invalid { what: "seams beside the edges of base face", at: 0 });
         }
         order.resize(subdivision.vertex_count(), NONE);
         for wavelet in 0..subdivision.wavelet_count() as u32 {

@@ -15,11 +15,14 @@
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
 //! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
 //! | `bounds.rs`, `left_out.rs` | what leaving a wavelet out can change |
+//! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
+//! | `truncate.rs` | the wavelets that change most, as many as fit |
 //! | `edit.rs` | moving vertices of a level, with all that is finer |
 //! | `tally.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
+//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
 //! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
 
 mod atlas;
@@ -34,17 +37,20 @@ mod instance;
 mod left_out;
 mod mesh;
 mod options;
+mod parts;
 mod quadrisection;
 mod recognise;
 mod sampler;
 mod subdivision;
 mod surface;
 mod tally;
-#[cfg(feature = "serde")]
+mod transform;
+mod truncate;
 mod validate;
 mod vertices;
 
 pub use atlas::{Atlas, AtlasOptions, ChartSize};
+pub use bounds::WaveletBounds;
 pub use builder::{Face, Midpoint, WaveletBuilder};
 pub use domain::DomainPoint;
 pub use edit::{DetailFrame, Edited};
@@ -52,7 +58,9 @@ pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
 pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
+pub use parts::WaveletParts;
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};
 pub use sampler::{SurfacePoint, SurfaceSampler};
 pub use subdivision::Subdivision;
+pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};

@@ -19,7 +19,7 @@ use crate::mesh::NONE;
 
 /// Most faces of all levels: a face, its side and a direction fit 31 bits.
 pub(super) const MOST_FACES: usize = 1 << 28;
-/// Most levels: places on the base are exact in double precision, and recursion down the levels ends.
+/// Most levels: places on the base are exact in double precision, and nothing that goes along levels takes long.
 pub(super) const MOST_LEVELS: usize = 52;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
@@ -28,7 +28,6 @@ const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Side(pub(super) u32);
 
 impl Side {
@@ -56,7 +55,6 @@ impl Side {
 ///
 /// Memory: 8 bytes a wavelet and 12 a split face where all are split alike; 4 a split face and 3 bits a face more where not.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Subdivision {
     /// Vertices at the corners of every base face.
     pub(super) base: Vec<[u32; 3]>,
@@ -122,9 +120,15 @@ impl Subdivision {
         self.face_count() - self.split_count as usize
     }
 
+    /// Triangles at full resolution: one more for every face along the edge of a wavelet. O(wavelets).
+    pub fn triangle_count(&self) -> usize {
+        let second = self.along.iter().filter(|along| along[1] != Side::NONE).count();
+        self.base.len() + self.along.len() + second + self.more.len()
+    }
+
     /// The deepest level; 0 where nothing is split.
     pub fn depth(&self) -> usize {
-        self.levels.len() - 1
+        self.levels.len().saturating_sub(1)
     }
 
     /// Corners of a base face as vertices; `None` out of range.

@@ -1,30 +1,215 @@
-//! What comes out of a file, checked as a whole.
+//! Every promise of a wavelet mesh, checked: after these nothing that is done with it can panic, run on, or take more memory than
+//! goes with its arrays.
+//!
+//! ```text
+//!     base faces and what is along their sides   in range; no wavelet twice on a face or too often in all
+//!     grow level by level                        as many vertices as there are, no face dragged along across a seam
+//!     numbers of wavelets, bits, seams           those that come out are those that went in
+//!     values                                     as many as they should be; bounds nested
+//! ```
+//!
+//! What is grown is right by construction, so only what goes in needs a look. That bounds are as large as they have to be is not
+//! checked; they hold each other, so a cut is closed.
 
-use crate::mesh::Mesh;
+use crate::adapt::Refinements;
+use crate::mesh::NONE;
 
-use super::bounds::Packed;
-use super::{Subdivision, WaveletError, WaveletMesh, WaveletOptions};
+use super::build::{Part, SubdivisionBuilder};
+use super::mesh::MOST_MATERIALS;
+use super::parts::{seams, sides, split};
+use super::subdivision::{MOST_ALONG, MOST_FACES};
+use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
-/// The fields of a [`WaveletMesh`].
-#[derive(serde::Deserialize)]
-pub(super) struct Parts {
-    subdivision: Subdivision,
-    vertices: Mesh,
-    materials: Vec<u32>,
-    group_of: Vec<u16>,
-    bounds: Vec<Packed>,
-    options: WaveletOptions,
-    diagonal: f64,
+/// What a subdivision grows from, as [`WaveletParts`] has it.
+struct Seeds<'a> {
+    base: &'a [[u32; 3]],
+    base_vertices: u32,
+    sides: &'a [[u32; 3]],
+    split: &'a [u64],
+    seams: &'a [[u32; 2]],
+    /// How many there are in all.
+    vertices: usize,
 }
 
-impl TryFrom<Parts> for WaveletMesh {
-    type Error = WaveletError;
+impl WaveletParts {
+    /// The connectivity, where it is one that fits the number of vertices.
+    pub(super) fn grow(&self) -> Result<Subdivision, WaveletError> {
+        let Self { base, base_vertices, sides, split, seams, vertices, .. } = self;
+        let vertices = vertices.positions().len();
+        Seeds { base, base_vertices: *base_vertices, sides, split, seams, vertices }.grow()
+    }
+}
 
-    fn try_from(parts: Parts) -> Result<Self, WaveletError> {
-        let Parts { subdivision, vertices, materials, group_of, bounds, options, diagonal } = parts;
-        let extent = None;
-        let mut mesh = Self { subdivision, vertices, materials, group_of, bounds, options, diagonal, extent };
-        mesh.measure();
-        Ok(mesh)
+impl Seeds<'_> {
+    fn grow(&self) -> Result<Subdivision, WaveletError> {
+        let mut builder = self.base_faces()?;
+        loop {
+            let of = builder.subdivision();
+            let flags: Vec<bool> = builder.last_level().map(|face| self.is_split(face)).collect();
+            let splits = flags.iter().filter(|split| **split).count();
+            if splits == 0 {
+                break;
+            }
+            // Below the base every face has an edge inside its parent, which one more is at.
+            let room = self.vertices - self.base_vertices as usize;
+            if of.depth() > 0 && splits.div_ceil(2) > room.saturating_sub(of.wavelet_count()) {
+                return broken("more faces are split than there are vertices for, of level", of.depth());
+            }
+            if let Some(face) = builder.first_dragged(&flags) {
+                return broken("only the face across a seam is split, not face", face as usize);
+            }
+            builder.split(flags)?;
+        }
+        let least = self.base_vertices as usize + builder.subdivision().wavelet_count();
+        if least > self.vertices {
+            return Err(WaveletError::Length { what: "vertices", found: self.vertices, expected: least });
+        }
+        let key = |of: &Subdivision, face: u32, side: usize, part: Part| {
+            let (child, corner) = part.corner(side);
+            let corner = of.child(face, child) << 2 | corner as u32;
+            let at = self.seams.binary_search_by_key(&corner, |seam| seam[0]);
+            at.map_or(NONE, |at| self.seams[at][1])
+        };
+        let of = match self.seams {
+            [] => builder.finish_without_seams(),
+            _ => builder.finish(key),
+        };
+        expect("vertices", self.vertices, of.vertex_count())?;
+        same("the wavelets along base face", self.sides, &sides(&of))?;
+        same("the bits of split faces, word", self.split, &split(&of))?;
+        same("the corners at seams, entry", self.seams, &seams(&of))?;
+        Ok(of)
+    }
+
+    fn is_split(&self, face: u32) -> bool {
+        self.split.get(face as usize / 64).is_some_and(|word| word >> (face % 64) & 1 == 1)
+    }
+
+    /// The base, with the wavelet on a side as the number of its edge.
+    fn base_faces(&self) -> Result<SubdivisionBuilder, WaveletError> {
+        let count = self.base.len();
+        at_most("faces", count, MOST_FACES)?;
+        at_most("base vertices", self.base_vertices as usize, self.vertices)?;
+        expect("sides of base faces", self.sides.len(), count)?;
+        if let Some(face) =
+            self.base.iter().position(|corners| corners.iter().any(|&v| v >= self.base_vertices))
+        {
+            return broken("no base vertex at a corner of base face", face);
+        }
+        let mut times = vec![0_u8; 3 * count];
+        let mut edges = vec![[NONE; 3]; count];
+        let mut against = vec![[false; 3]; count];
+        for (face, sides) in self.sides.iter().enumerate() {
+            for (k, &side) in sides.iter().enumerate().filter(|side| *side.1 != NONE) {
+                let edge = side >> 1;
+                let Some(times) = times.get_mut(edge as usize).filter(|_| !edges[face].contains(&edge))
+                else {
+                    return broken("the wavelets along base face", face);
+                };
+                if usize::from(*times) == MOST_ALONG {
+                    let (count, limit) = (MOST_ALONG + 1, MOST_ALONG);
+                    return Err(WaveletError::TooManyAlongEdge { triangle: face, count, limit });
+                }
+                *times += 1;
+                (edges[face][k], against[face][k]) = (edge, side & 1 == 1);
+            }
+        }
+        // Others are their own.
+        let mut edge_count = times.iter().rposition(|&times| times > 0).map_or(0, |last| last + 1);
+        for edge in edges.as_flattened_mut().iter_mut().filter(|edge| **edge == NONE) {
+            *edge = edge_count as u32;
+            edge_count += 1;
+        }
+        Ok(SubdivisionBuilder::with_edges(self.base.to_vec(), self.base_vertices, edges, against, edge_count))
+    }
+}
+
+impl WaveletMesh {
+    /// Checks that the structure holds together: the connectivity is what grows from its base faces; as many vertices, bounds and
+    /// materials as there should be; bounds are lengths, and each within those of the wavelet's parents.
+    ///
+    /// Holds for whatever is built; parts and files are let in through it only. O(n) on any input, and no more memory than the
+    /// mesh takes.
+    ///
+    /// # Errors
+    /// The first promise that is broken, and where.
+    pub fn validate(&self) -> Result<(), WaveletError> {
+        let of = &self.subdivision;
+        let grown = Seeds {
+            base: &of.base,
+            base_vertices: of.base_vertices,
+            sides: &sides(of),
+            split: &split(of),
+            seams: &seams(of),
+            vertices: self.vertices.positions().len(),
+        };
+        if grown.grow()? != *of {
+            return broken("connectivity is not what grows from its base, of face", 0);
+        }
+        self.check_values()
+    }
+
+    /// All but the connectivity.
+    pub(super) fn check_values(&self) -> Result<(), WaveletError> {
+        let of = &self.subdivision;
+        expect("vertices", self.vertices.positions().len(), of.vertex_count())?;
+        expect("triangles beside the faces", self.vertices.triangles().len(), 0)?;
+        at_most("materials", self.materials.len(), MOST_MATERIALS)?;
+        if let Some(at) = self.materials.windows(2).position(|w| w[0] >= w[1]) {
+            return broken("materials that do not ascend", at + 1);
+        }
+        let grouped = if self.materials.is_empty() { 0 } else { of.base_face_count() };
+        expect("groups of base faces", self.group_of.len(), grouped)?;
+        if let Some(face) = self.group_of.iter().position(|&g| usize::from(g) >= self.materials.len()) {
+            return broken("no such material of base face", face);
+        }
+        expect("bounds", self.bounds.len(), of.wavelet_count())?;
+        let is_length = |x: &f32| x.is_finite() && *x >= 0.0;
+        if let Some(wavelet) =
+            self.bounds.iter().position(|b| ![b.radius, b.along, b.across].iter().all(is_length))
+        {
+            return broken("bounds that are no lengths, of wavelet", wavelet);
+        }
+        let sticks_out = |wavelet: u32| {
+            let bounds = Refinements::bounds(self, wavelet);
+            of.parents_of(wavelet).any(|parent| !Refinements::bounds(self, parent).contains(&bounds))
+        };
+        match first(of.wavelet_count() as u32, sticks_out) {
+            Some(wavelet) => broken("bounds that are not within a parent's, of wavelet", wavelet as usize),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The first number for which something holds.
+fn first(count: u32, holds: impl Fn(u32) -> bool + Sync + Send) -> Option<u32> {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().find_first(|&at| holds(at))
+    }
+    #[cfg(not(feature = "parallel"))]
+    (0..count).find(|&at| holds(at))
+}
+
+fn broken<T>(what: &'static str, at: usize) -> Result<T, WaveletError> {
+    Err(WaveletError::Invalid { what, at })
+}
+
+fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), WaveletError> {
+    if found == expected { Ok(()) } else { Err(WaveletError::Length { what, found, expected }) }
+}
+
+fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), WaveletError> {
+    if count <= limit { Ok(()) } else { Err(WaveletError::TooMany { what, count, limit }) }
+}
+
+/// Where something that follows from the rest is not what follows.
+fn same<T: PartialEq>(what: &'static str, known: &[T], found: &[T]) -> Result<(), WaveletError> {
+    let first = known.iter().zip(found).position(|(a, b)| a != b);
+    match first {
+        Some(at) => broken(what, at),
+        None if known.len() != found.len() => broken(what, known.len().min(found.len())),
+        None => Ok(()),
     }
 }

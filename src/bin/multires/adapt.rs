@@ -1,22 +1,22 @@
-//! `multires adapt`: what a view asks for out of a baked hierarchy.
+//! `multires adapt`: what a view asks for out of a baked structure.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use multires::adapt::{Change, LevelOfDetail};
-use multires::hierarchy::HierarchyLod;
+use multires::adapt::{Change, LevelOfDetail, LodOptions};
 use multires::view::ObjectView;
 use serde_json::json;
 
 use crate::camera::{Camera, Point, point};
-use crate::files;
+use crate::model::Style;
 use crate::output::{Answer, Failure, Run, Table, percent};
+use crate::{files, simplify};
 
-/// Write what a view asks for of a baked hierarchy as a mesh.
+/// Write what a view asks for of a baked hierarchy or wavelet mesh as a mesh.
 ///
-/// Fine where the view needs it, coarse where it is far, outside the picture or faces away. Baked hierarchies are made by
-/// `build --structure hierarchy`.
+/// Fine where the view needs it, coarse where it is far, outside the picture or faces away. What is baked is made by
+/// `build --structure hierarchy` and `build --structure wavelet`.
 #[derive(Args)]
 pub struct Adapt {
     /// The baked file.
@@ -36,6 +36,8 @@ pub struct Adapt {
     /// At most so many triangles, the base mesh's at least: tolerances are made as much larger as that takes.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
+    #[command(flatten)]
+    style: Style,
 }
 
 /// Halvings of the logarithm of how much coarser a budget makes a view, and the largest such logarithm to base 2.
@@ -43,7 +45,7 @@ const HALVINGS: usize = 30;
 const COARSEST: f64 = 64.0;
 
 /// Adapts, as coarse as a budget asks for. By how much tolerances were multiplied, and what it did.
-fn adapt(lod: &mut HierarchyLod, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
+fn adapt(lod: &mut dyn LevelOfDetail, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
     let mut at = |octaves: f64| lod.adapt(&[view.coarsened(octaves.exp2())]);
     let change = at(0.0);
     let budget = budget.unwrap_or(usize::MAX);
@@ -61,31 +63,31 @@ fn adapt(lod: &mut HierarchyLod, view: &ObjectView, budget: Option<usize>) -> (f
 impl Run for Adapt {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_mesh_output(&self.output)?;
-        let model = files::read_hierarchy(&self.input)?;
+        let model = files::read_model(&self.input)?;
         let place = self.camera.place(&model);
         let view = self.camera.view(&place, self.eye, self.target)?;
 
-        let mut lod = HierarchyLod::new(model.hierarchy().clone());
+        let mut instance = model.instance(&self.style, false, LodOptions::default())?;
         let start = Instant::now();
-        let (factor, change) = adapt(&mut lod, &view, self.budget);
+        let (factor, change) = adapt(instance.lod(), &view, self.budget);
         let seconds = start.elapsed().as_secs_f64();
-        let mesh = model.mesh_at(&lod);
+        let mesh = model.mesh_at(&instance);
         files::write_mesh(&self.output, &mesh)?;
 
-        let all = model.hierarchy().triangle_count();
+        let [all, base] = model.triangles();
         let of = percent(mesh.triangles().len() as f64, all as f64);
-        let splits = (0..model.hierarchy().split_count() as u32).filter(|&s| lod.cut().holds(s)).count();
+        let (refinements, refined) = model.refined(&instance);
         let mut warnings = Vec::new();
         if self.budget.is_some_and(|budget| change.triangles > budget) {
             warnings.push(format!("{} triangles is as coarse as this view gets", change.triangles));
         }
-        let json = json!({
+        let mut json = json!({
             "command": "adapt",
             "input": {
                 "path": self.input.display().to_string(),
                 "bytes": files::size(&self.input),
                 "triangles": all,
-                "base_triangles": model.hierarchy().base_triangle_count(),
+                "base_triangles": base,
             },
             "output": files::describe(&self.output, &mesh),
             "eye": self.eye,
@@ -94,11 +96,12 @@ impl Run for Adapt {
             "budget": self.budget,
             "coarsened": factor,
             "ratio": of.map(|p| p / 100.0),
-            "splits": splits,
+            "triangulation": model.triangulation(&self.style),
             "tests": change.cut.tests,
             "seconds": seconds,
             "warnings": warnings,
         });
+        simplify::add(&mut json, [(refinements, json!(refined))]);
         let mut table = Table::default();
         table.row("input", format!("{}: {all} triangles", self.input.display()));
         table.row("output", files::describe_text(&self.output, &mesh));
@@ -107,7 +110,7 @@ impl Run for Adapt {
         if factor > 1.0 {
             table.row("tolerances", format!("{factor:.3} times as large, for the budget"));
         }
-        table.row("tests, splits", format!("{}, {splits}", change.cut.tests));
+        table.row(&format!("tests, {refinements}"), format!("{}, {refined}", change.cut.tests));
         Ok(Answer { json, text: table.text(), warnings })
     }
 }

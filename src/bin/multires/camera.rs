@@ -1,10 +1,10 @@
 //! How to look at a model: the arguments that `adapt` and `fly` have in common, and the views that they ask for.
 
 use clap::{Args, ValueEnum};
-use multires::hierarchy::HierarchyMesh;
 use multires::view::{ErrorKind, ObjectView, View, look_at};
 use serde_json::{Value, json};
 
+use crate::model::Model;
 use crate::output::Failure;
 use crate::rules::not_negative;
 
@@ -30,7 +30,7 @@ pub struct Camera {
     #[arg(long, value_name = "P", value_parser = not_negative)]
     silhouette: Option<f64>,
     /// Which error: how far the surface is from the original (geometric), or how far any of its points is from where it
-    /// belongs (parametric), which holds what is painted on it in place too.
+    /// belongs (parametric), which holds what is painted on it in place too. The same of wavelet meshes, where nothing slides.
     #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Geometric)]
     error: Measure,
     /// Instead of errors: full resolution within this distance from the eye and in the picture, nothing elsewhere
@@ -70,7 +70,7 @@ pub struct Place {
 
 impl Camera {
     /// Where places are counted from, and in what.
-    pub fn place(&self, model: &HierarchyMesh) -> Place {
+    pub fn place(&self, model: &Model) -> Place {
         match (self.units, model.bounds()) {
             (Units::Diagonal, Some([low, high])) => {
                 let [low, high] = [low, high].map(|p| p.map(f64::from));

@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use multires::adapt::Refinements;
 use multires::tom::{Level, TomMesh};
+use multires::wavelet::{Normals, WaveletMesh};
 use serde_json::json;
 
+use crate::model::Style;
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
 use crate::rules::{not_negative, share};
 use crate::{files, info};
@@ -14,7 +17,8 @@ use crate::{files, info};
 /// Write a level of detail from a baked file as a mesh.
 ///
 /// What comes out is the finest level that does not exceed what is asked for, and never less than the base mesh; the
-/// answer says which one it is.
+/// answer says which one it is. Of a wavelet mesh, numbers of triangles take the wavelets with the largest bounds, as many as fit.
+/// Baked hierarchies have views (`adapt`) and no levels.
 #[derive(Args)]
 pub struct Extract {
     /// The baked file.
@@ -24,7 +28,19 @@ pub struct Extract {
     #[arg(value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
-    level: Asked,
+    asked: Asked,
+    #[command(flatten)]
+    style: Style,
+    /// Normals of a wavelet mesh's level: those of the finest (kept), or from the triangles as they are [default: kept].
+    #[arg(long, value_name = "K", value_enum)]
+    normals: Option<Source>,
+}
+
+/// Where normals come from.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Source {
+    Kept,
+    Recomputed,
 }
 
 #[derive(Args)]
@@ -45,17 +61,22 @@ struct Asked {
     /// The coarsest level known to err by at most this, in percent of the diagonal of the mesh's box.
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
-    /// From 0, the coarsest level, to 1, the finest: this share of the vertices that are not in the base mesh.
-    #[arg(long, value_name = "T", value_parser = share)]
+    /// From 0, the coarsest level, to 1, the finest: this share of the vertices that are not in the base mesh. Of a wavelet mesh
+    /// the number of a level, from 0, the base mesh.
+    #[arg(long, value_name = "T", value_parser = level)]
     level: Option<f64>,
 }
 
 impl Asked {
-    fn level(&self, bundle: &TomMesh, diagonal: f64) -> Level {
+    /// Of a totally ordered mesh.
+    fn level(&self, bundle: &TomMesh, diagonal: f64) -> Result<Level, Failure> {
+        if self.level.is_some_and(|level| level > 1.0) {
+            return Err(Failure::Usage("--level of a totally ordered mesh is from 0 to 1".to_owned()));
+        }
         let tom = bundle.tom();
         let base = tom.coarsest().vertices();
         let every = tom.vertex_count();
-        if let Some(triangles) = self.triangles {
+        Ok(if let Some(triangles) = self.triangles {
             Level::Triangles(triangles)
         } else if let Some(vertices) = self.vertices {
             Level::Vertices(vertices)
@@ -68,8 +89,43 @@ impl Asked {
         } else {
             let share = self.level.unwrap_or(1.0);
             Level::Vertices(base + (share * (every - base) as f64).round() as usize)
-        }
+        })
     }
+
+    /// The wavelets asked for, as one flag a wavelet, closed under parents.
+    fn wavelets(&self, mesh: &WaveletMesh, style: &Style) -> Result<Vec<bool>, Failure> {
+        let of = mesh.subdivision();
+        let at_tolerance = |tolerance: f64| {
+            let tolerance = round_down(tolerance);
+            mesh.closure(|wavelet| mesh.bounds(wavelet).largest_error() > tolerance)
+        };
+        if self.vertices.is_some() {
+            return Err(Failure::Usage("--vertices is for totally ordered meshes".to_owned()));
+        }
+        Ok(if let Some(triangles) = self.triangles {
+            mesh.largest_within(triangles, style.triangulation())
+        } else if let Some(ratio) = self.ratio {
+            mesh.largest_within((ratio * of.triangle_count() as f64) as usize, style.triangulation())
+        } else if let Some(error) = self.error {
+            at_tolerance(error)
+        } else if let Some(percent) = self.error_percent {
+            at_tolerance(percent / 100.0 * mesh.diagonal())
+        } else {
+            let level = self.level.unwrap_or_default();
+            if level.fract() != 0.0 {
+                return Err(Failure::Usage("--level of a wavelet mesh is a whole number".to_owned()));
+            }
+            let level = (level as usize).min(of.depth());
+            let end = of.wavelets_of(level).end;
+            (0..of.wavelet_count() as u32).map(|wavelet| wavelet < end).collect()
+        })
+    }
+}
+
+/// A share, or the number of a level.
+fn level(text: &str) -> Result<f64, String> {
+    let level = not_negative(text).ok().filter(|level| *level <= 1.0 || level.fract() == 0.0);
+    level.ok_or_else(|| "not a number from 0 to 1, nor the whole number of a level".to_owned())
 }
 
 /// The nearest single-precision number that is not above, for promises of "at most".
@@ -81,12 +137,21 @@ pub fn round_down(x: f64) -> f32 {
 impl Run for Extract {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_mesh_output(&self.output)?;
-        let bundle = files::read_tom(&self.input)?;
+        let (bytes, kind) = files::read_baked(&self.input)?;
+        if kind == WaveletMesh::KIND {
+            return self.wavelet(&files::wavelet(&self.input, &bytes)?);
+        }
+        let bundle = files::tom(&self.input, &bytes)?;
+        drop(bytes);
+        self.style.check_unused()?;
+        if self.normals.is_some() {
+            return Err(Failure::Usage("--normals is for wavelet meshes".to_owned()));
+        }
         let tom = bundle.tom();
         let diagonal = bundle.mesh_at(tom.finest()).diagonal();
 
         let start = Instant::now();
-        let resolution = tom.at(self.level.level(&bundle, diagonal));
+        let resolution = tom.at(self.asked.level(&bundle, diagonal)?);
         let mesh = bundle.mesh_at(resolution);
         let seconds = start.elapsed().as_secs_f64();
         files::write_mesh(&self.output, &mesh)?;
@@ -113,6 +178,59 @@ impl Run for Extract {
         table.row("output", files::describe_text(&self.output, &mesh));
         table.row("of the finest", format!("{:.2} % of the triangles", of.unwrap_or(100.0)));
         table.row("error", error_text(error, error_percent));
+        Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+    }
+}
+
+impl Extract {
+    fn wavelet(&self, bundle: &WaveletMesh) -> Result<Answer, Failure> {
+        let of = bundle.subdivision();
+        let normals = match self.normals {
+            None | Some(Source::Kept) => Normals::Kept,
+            Some(Source::Recomputed) => Normals::Recomputed,
+        };
+        let start = Instant::now();
+        let set = self.asked.wavelets(bundle, &self.style)?;
+        let mesh = bundle.extract(|wavelet| set[wavelet as usize], self.style.triangulation(), normals);
+        let seconds = start.elapsed().as_secs_f64();
+        files::write_mesh(&self.output, &mesh)?;
+
+        let error = bundle.largest_left_out(|wavelet| set[wavelet as usize]);
+        let error_percent = percent(f64::from(error), bundle.diagonal());
+        let count = set.iter().filter(|there| **there).count();
+        let deepest = set.iter().rposition(|there| *there).map_or(0, |last| of.level_of(last as u32));
+        let all = of.triangle_count();
+        let ratio = percent(mesh.triangles().len() as f64, all as f64);
+        let json = json!({
+            "command": "extract",
+            "input": {
+                "path": self.input.display().to_string(),
+                "bytes": files::size(&self.input),
+                "triangles": all,
+                "base_triangles": of.base_face_count(),
+                "levels": of.depth(),
+            },
+            "output": files::describe(&self.output, &mesh),
+            "ratio": ratio.map(|p| p / 100.0),
+            "wavelets": count,
+            "deepest_level": deepest,
+            "error": error,
+            "error_percent": error_percent,
+            "bound": info::bound(bundle),
+            "triangulation": self.style.name(),
+            "normals": if normals == Normals::Kept { "kept" } else { "recomputed" },
+            "seconds": seconds,
+        });
+        let mut table = Table::default();
+        table.row("input", format!("{}: {all} triangles", self.input.display()));
+        table.row("output", files::describe_text(&self.output, &mesh));
+        table.row("of the finest", format!("{:.2} % of the triangles", ratio.unwrap_or(100.0)));
+        table.row(
+            "wavelets",
+            format!("{count} of {}, down to level {deepest} of {}", of.wavelet_count(), of.depth()),
+        );
+        let error = error_text(f64::from(error), error_percent);
+        table.row("error", format!("{error}, {} bound", info::bound(bundle)));
         Ok(Answer { json, text: table.text(), warnings: Vec::new() })
     }
 }

@@ -1,4 +1,4 @@
-//! `multires fly`: a camera path over a baked hierarchy, measured frame by frame.
+//! `multires fly`: a camera path over a baked structure, measured frame by frame.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -6,19 +6,21 @@ use std::time::Instant;
 
 use clap::Args;
 use multires::adapt::{LevelOfDetail, LodOptions};
-use multires::hierarchy::{HierarchyLod, HierarchyMesh};
 use multires::io::atomic;
 use serde_json::{Value, json};
 
 use crate::camera::Camera;
 use crate::files;
+use crate::model::{Model, Style};
 use crate::output::{Answer, Failure, Run, Table};
 use crate::path;
 
-/// Fly along a camera path over a baked hierarchy, and write what every frame drew and cost.
+/// Fly along a camera path over a baked hierarchy or wavelet mesh, and write what every frame drew and cost.
 ///
 /// One row a frame: frame, triangles and vertices drawn; tests, splits and collapses made; microseconds they took; bytes
-/// of buffers that changed and have to be uploaded. The first frame starts from the base mesh, all of it new.
+/// of buffers that changed and have to be uploaded. The first frame starts from the base mesh, all of it new. Splits and
+/// collapses of a wavelet mesh are wavelets that come and go; its vertices have positions, and normals where there are any, and
+/// change where a neighbour comes or goes.
 #[derive(Args)]
 pub struct Fly {
     /// The baked file.
@@ -29,7 +31,7 @@ pub struct Fly {
     path: PathBuf,
     #[command(flatten)]
     camera: Camera,
-    /// Keep the vertices in use packed in a buffer of their own, instead of all in one that never changes.
+    /// Keep the vertices in use packed in a buffer of their own, instead of all in one.
     #[arg(long)]
     packed: bool,
     /// At most so many triangles in any frame, the base mesh's at least: the most urgent for the view.
@@ -38,6 +40,8 @@ pub struct Fly {
     /// At most so many splits and collapses a frame; the rest is carried over.
     #[arg(long, value_name = "M")]
     operations: Option<usize>,
+    #[command(flatten)]
+    style: Style,
     /// The table to write.
     #[arg(long, value_name = "FRAMES.csv")]
     csv: PathBuf,
@@ -48,32 +52,31 @@ const COLUMNS: [&str; 7] =
     ["triangles", "vertices", "tests", "splits", "collapses", "microseconds", "bytes_changed"];
 
 /// Counts the vertices that an instance draws.
+#[derive(Default)]
 struct Used {
-    /// Per vertex the frame that last drew it.
+    /// Per index the frame that last drew it.
     seen: Vec<u32>,
     frame: u32,
 }
 
 impl Used {
-    fn count(&mut self, lod: &HierarchyLod) -> usize {
-        if let Some(vertices) = lod.vertices() {
-            return vertices.len();
-        }
+    fn count(&mut self, lod: &dyn LevelOfDetail) -> usize {
         self.frame += 1;
         let mut count = 0;
-        for group in 0..lod.groups() {
-            for &vertex in lod.triangles(group).as_flattened() {
-                let seen = &mut self.seen[vertex as usize];
-                count += usize::from(*seen != self.frame);
-                *seen = self.frame;
+        for &index in (0..lod.groups()).flat_map(|group| lod.triangles(group).as_flattened()) {
+            let index = index as usize;
+            if index >= self.seen.len() {
+                self.seen.resize((index + 1).next_power_of_two(), 0);
             }
+            count += usize::from(self.seen[index] != self.frame);
+            self.seen[index] = self.frame;
         }
         count
     }
 }
 
 /// Bytes written since the last call.
-fn bytes_changed(lod: &mut HierarchyLod, per_vertex: usize) -> usize {
+fn bytes_changed(lod: &mut dyn LevelOfDetail, per_vertex: usize) -> usize {
     let triangles = (0..lod.groups()).flat_map(|group| lod.dirty_triangles(group, 0));
     let triangles: usize = triangles.map(|range| range.len()).sum();
     let vertices: usize = lod.dirty_vertices(0).map(|range| range.len()).sum();
@@ -94,14 +97,13 @@ fn summary(mut values: Vec<f64>) -> [f64; 4] {
 
 impl Fly {
     /// The columns of every frame, and the frame's number before them.
-    fn frames(&self, model: &HierarchyMesh, poses: &[path::Pose]) -> Result<Vec<(u64, [f64; 7])>, Failure> {
+    fn frames(&self, model: &Model, poses: &[path::Pose]) -> Result<Vec<(u64, [f64; 7])>, Failure> {
         let place = self.camera.place(model);
-        let per_vertex = crate::rules::bytes_per_vertex(model.vertices());
-        let shared = model.hierarchy().clone();
-        let lod = if self.packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
         let limits = LodOptions::default().with_triangles(self.budget).with_operations(self.operations);
-        let mut lod = lod.with_options(limits);
-        let mut used = Used { seen: vec![0; model.hierarchy().vertex_count()], frame: 0 };
+        let mut instance = model.instance(&self.style, self.packed, limits)?;
+        let per_vertex = model.bytes_per_vertex(&instance);
+        let lod = instance.lod();
+        let mut used = Used::default();
         let mut rows = Vec::with_capacity(poses.len());
         for pose in poses {
             let view = self.camera.view(&place, pose.eye, pose.target);
@@ -112,9 +114,9 @@ impl Fly {
             let start = Instant::now();
             let change = lod.adapt(&[view]);
             let microseconds = start.elapsed().as_secs_f64() * 1e6;
-            let counts = [change.triangles, used.count(&lod), change.cut.tests, change.cut.splits];
+            let counts = [change.triangles, used.count(lod), change.cut.tests, change.cut.splits];
             let [triangles, vertices, tests, splits] = counts.map(|count| count as f64);
-            let bytes = bytes_changed(&mut lod, per_vertex) as f64;
+            let bytes = bytes_changed(lod, per_vertex) as f64;
             let collapses = change.cut.collapses as f64;
             rows.push((pose.frame, [triangles, vertices, tests, splits, collapses, microseconds, bytes]));
         }
@@ -126,9 +128,10 @@ impl Run for Fly {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_place(&self.csv)?;
         let poses = path::read(&self.path)?;
-        let model = files::read_hierarchy(&self.input)?;
+        let model = files::read_model(&self.input)?;
         let rows = self.frames(&model, &poses)?;
 
+        let [triangles, base_triangles] = model.triangles();
         let mut csv = format!("frame,{}\n", COLUMNS.join(","));
         for (frame, row) in &rows {
             let _ = write!(csv, "{frame}");
@@ -142,10 +145,7 @@ impl Run for Fly {
             .map_err(|error| Failure::Input(format!("{}: {error}", self.csv.display())))?;
 
         let mut table = Table::default();
-        table.row(
-            "input",
-            format!("{}: {} triangles", self.input.display(), model.hierarchy().triangle_count()),
-        );
+        table.row("input", format!("{}: {triangles} triangles", self.input.display()));
         table.row("output", format!("{}: {} frames", self.csv.display(), rows.len()));
         table.row("view", self.camera.describe_text());
         if let Some(budget) = self.budget {
@@ -167,13 +167,14 @@ impl Run for Fly {
             "input": {
                 "path": self.input.display().to_string(),
                 "bytes": files::size(&self.input),
-                "triangles": model.hierarchy().triangle_count(),
-                "base_triangles": model.hierarchy().base_triangle_count(),
+                "triangles": triangles,
+                "base_triangles": base_triangles,
             },
             "path": self.path.display().to_string(),
             "output": { "path": self.csv.display().to_string(), "bytes": files::size(&self.csv) },
             "view": self.camera.describe(),
             "packed": self.packed,
+            "triangulation": model.triangulation(&self.style),
             "budget": self.budget,
             "operations": self.operations,
             "frames": rows.len(),

@@ -7,6 +7,8 @@ use multires::hierarchy::{Dependencies, HierarchyMesh};
 use multires::io::{self, Format};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report};
 use multires::tom::{Resolution, TomMesh};
+use multires::view::ErrorShape;
+use multires::wavelet::{ErrorBound, WaveletMesh};
 use serde_json::{Value, json};
 
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
@@ -17,7 +19,7 @@ use crate::{files, simplify};
 /// For a mesh: counts, borders and non-manifold parts, as stored and with vertices at the same position welded;
 /// attributes and their widths, materials, bounds, memory. For a baked file: its kind, the finest and the coarsest
 /// level, and memory in percent of the finest level as a plain mesh; the error bounds of a totally ordered mesh; the splits
-/// and dependencies of a vertex hierarchy.
+/// and dependencies of a vertex hierarchy; the base faces, wavelets and levels of a wavelet mesh.
 #[derive(Args)]
 pub struct Info {
     /// The file.
@@ -63,13 +65,14 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
 }
 
 fn baked(path: &Path) -> Result<Answer, Failure> {
-    let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
-    let kind = io::baked_kind(&bytes).map_err(|e| files::baked(path, &e))?;
+    let (bytes, kind) = files::read_baked(path)?;
     if kind == HierarchyMesh::KIND {
-        let bundle = io::unbake(HierarchyMesh::KIND, &bytes).map_err(|e| files::baked(path, &e))?;
-        return Ok(baked_hierarchy(path, bytes.len(), &bundle));
+        return Ok(baked_hierarchy(path, bytes.len(), &files::hierarchy(path, &bytes)?));
     }
-    let bundle: TomMesh = io::unbake(TomMesh::KIND, &bytes).map_err(|e| files::baked(path, &e))?;
+    if kind == WaveletMesh::KIND {
+        return Ok(baked_wavelet(path, bytes.len(), &files::wavelet(path, &bytes)?));
+    }
+    let bundle: TomMesh = files::tom(path, &bytes)?;
     let tom = bundle.tom();
     let finest = bundle.mesh_at(tom.finest());
     let diagonal = finest.diagonal();
@@ -110,32 +113,137 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
 }
 
 fn baked_hierarchy(path: &Path, bytes: usize, bundle: &HierarchyMesh) -> Answer {
-    let ids = bundle.hierarchy().materials();
-    let name = |id: u32| bundle.vertices().material_names().get(id as usize);
-    let materials: Vec<Value> = ids.iter().map(|&id| json!({ "id": id, "name": name(id) })).collect();
-    let mut json = json!({
-        "file": path.display().to_string(),
-        "format": "mres",
-        "kind": HierarchyMesh::KIND,
-        "version": io::BAKED_VERSION,
-        "bytes": bytes,
-        "attributes": attributes(bundle.vertices()),
-        "materials": materials,
-        "bounds": bundle.bounds(),
-        "diagonal": bundle.hierarchy().diagonal(),
-    });
-    simplify::add(&mut json, hierarchy(bundle));
-
+    let hierarchy = bundle.hierarchy();
+    let file = Refined {
+        kind: HierarchyMesh::KIND,
+        vertices: bundle.vertices(),
+        materials: hierarchy.materials(),
+        bounds: bundle.bounds(),
+        diagonal: hierarchy.diagonal(),
+    };
     let mut table = Table::default();
-    table.row("file", path.display());
-    let version = io::BAKED_VERSION;
-    table.row("kind", format!("{}, format version {version}, {bytes} bytes", HierarchyMesh::KIND));
     hierarchy_rows(&mut table, bundle);
-    common_rows(&mut table, bundle.vertices());
-    if !ids.is_empty() {
-        table.row("materials", ids.len());
+    file.answer(path, bytes, &self::hierarchy(bundle), &table)
+}
+
+fn baked_wavelet(path: &Path, bytes: usize, bundle: &WaveletMesh) -> Answer {
+    let file = Refined {
+        kind: WaveletMesh::KIND,
+        vertices: bundle.vertices(),
+        materials: bundle.materials(),
+        bounds: bundle.extent(),
+        diagonal: bundle.diagonal(),
+    };
+    let mut table = Table::default();
+    wavelet_rows(&mut table, bundle);
+    file.answer(path, bytes, &wavelet(bundle), &table)
+}
+
+/// What structures that follow the view have in common.
+struct Refined<'a> {
+    kind: &'a str,
+    vertices: &'a Mesh,
+    materials: &'a [u32],
+    bounds: Option<[[f32; 3]; 2]>,
+    diagonal: f64,
+}
+
+impl Refined<'_> {
+    /// With what the structure is besides.
+    fn answer(&self, path: &Path, bytes: usize, members: &[(&'static str, Value)], rows: &Table) -> Answer {
+        let Self { kind, vertices, materials, bounds, diagonal } = self;
+        let name = |id: u32| vertices.material_names().get(id as usize);
+        let list: Vec<Value> = materials.iter().map(|&id| json!({ "id": id, "name": name(id) })).collect();
+        let mut json = json!({
+            "file": path.display().to_string(),
+            "format": "mres",
+            "kind": kind,
+            "version": io::BAKED_VERSION,
+            "bytes": bytes,
+            "attributes": attributes(vertices),
+            "materials": list,
+            "bounds": bounds,
+            "diagonal": diagonal,
+        });
+        simplify::add(&mut json, members.iter().cloned());
+
+        let mut table = Table::default();
+        table.row("file", path.display());
+        table.row("kind", format!("{kind}, format version {}, {bytes} bytes", io::BAKED_VERSION));
+        table.block(rows.text());
+        common_rows(&mut table, vertices);
+        if !materials.is_empty() {
+            table.row("materials", materials.len());
+        }
+        Answer { json, text: table.text(), warnings: Vec::new() }
     }
-    Answer { json, text: table.text(), warnings: Vec::new() }
+}
+
+/// What a wavelet mesh is, for JSON.
+pub fn wavelet(bundle: &WaveletMesh) -> [(&'static str, Value); 11] {
+    let of = bundle.subdivision();
+    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
+    let vertices = of.vertex_count();
+    let each = (vertices > 0).then(|| bundle.structure_memory() as f64 / vertices as f64);
+    let levels = (0..=of.depth()).map(|level| {
+        let end = of.wavelets_of(level).end;
+        json!({
+            "faces": of.faces_of(level).len(),
+            "wavelets": of.wavelets_of(level).len(),
+            "error": bundle.largest_left_out(|wavelet| wavelet < end),
+        })
+    });
+    [
+        ("levels", json!(of.depth())),
+        ("base_triangles", json!(of.base_face_count())),
+        ("wavelets", json!(of.wavelet_count())),
+        ("vertices", json!(vertices)),
+        ("triangles", json!(of.triangle_count())),
+        ("by_level", levels.collect()),
+        ("bound", json!(bound(bundle))),
+        ("shape", json!(shape(bundle))),
+        ("memory", json!(bundle.memory())),
+        ("memory_percent", json!(share)),
+        // Bytes a vertex of the finest level, beyond what the vertices are.
+        ("structure_bytes_per_vertex", json!(each)),
+    ]
+}
+
+/// The same for people.
+pub fn wavelet_rows(table: &mut Table, bundle: &WaveletMesh) {
+    let of = bundle.subdivision();
+    let vertices = of.vertex_count();
+    table.row("finest", format!("{vertices} vertices, {} triangles", of.triangle_count()));
+    table.row("coarsest", format!("{} base faces", of.base_face_count()));
+    table.row("wavelets", format!("{} on {} levels", of.wavelet_count(), of.depth()));
+    for level in 0..of.depth() {
+        let end = of.wavelets_of(level).end;
+        let error = f64::from(bundle.largest_left_out(|wavelet| wavelet < end));
+        table.row(&format!("error of level {level}"), error_text(error, percent(error, bundle.diagonal())));
+    }
+    table.row("bounds", format!("{}, {}", bound(bundle), shape(bundle)));
+    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
+    let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
+    let each = bundle.structure_memory() as f64 / vertices.max(1) as f64;
+    let memory = bundle.memory();
+    table.row("memory", format!("{memory} bytes, {share} % of the plain mesh; structure {each:.1} a vertex"));
+}
+
+/// How bounds of a wavelet mesh were made.
+pub fn bound(bundle: &WaveletMesh) -> &'static str {
+    match bundle.options().bound {
+        ErrorBound::Conservative => "conservative",
+        ErrorBound::WithoutSiblings => "without-siblings",
+        _ => "other",
+    }
+}
+
+fn shape(bundle: &WaveletMesh) -> &'static str {
+    match bundle.options().shape {
+        ErrorShape::Spheroid => "spheroid",
+        ErrorShape::SphereAndCones => "hoppe",
+        _ => "other",
+    }
 }
 
 /// What a hierarchy is, for JSON.

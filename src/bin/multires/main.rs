@@ -10,6 +10,7 @@
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
 //! | `rules.rs` | how to simplify: what `simplify` and `build` have in common |
+//! | `model.rs` | what is looked at: what `adapt` and `fly` know of structures that follow the view |
 //! | `camera.rs` | how to look: what `adapt` and `fly` have in common |
 //! | `path.rs` | camera paths as text |
 //! | `files.rs` | what is read and written, checked before the work starts |
@@ -25,6 +26,7 @@ mod fly;
 mod info;
 mod lettering;
 mod measure;
+mod model;
 mod output;
 mod paint;
 mod path;

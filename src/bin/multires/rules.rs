@@ -1,7 +1,8 @@
 //! How to simplify: the arguments that `simplify` and `build` have in common, and the simplifier that they ask for.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
@@ -52,6 +53,48 @@ pub struct Rules {
     /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
     pub min_quality: f64,
+}
+
+/// Rules, and which of them were given: for what knows none.
+pub struct Given {
+    pub rules: Rules,
+    /// Their names on the command line.
+    names: Vec<String>,
+}
+
+impl Given {
+    /// Refuses all rules but what is to be left out of the mesh.
+    pub fn check_unused(&self, reason: &str) -> Result<(), Failure> {
+        match self.names.iter().find(|name| *name != "drop") {
+            None => Ok(()),
+            Some(name) => Err(Failure::Usage(format!("--{name}: {reason}"))),
+        }
+    }
+}
+
+impl FromArgMatches for Given {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let rules = Rules::augment_args(Command::new(""));
+        let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+        let given = rules.get_arguments().filter(|argument| is_given(argument.get_id().as_str()));
+        let names = given.filter_map(|argument| Some(argument.get_long()?.to_owned())).collect();
+        Ok(Self { rules: Rules::from_arg_matches(matches)?, names })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Given {
+    fn augment_args(command: Command) -> Command {
+        Rules::augment_args(command)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Rules::augment_args_for_update(command)
+    }
 }
 
 /// Where the merged vertex goes.

@@ -1,4 +1,4 @@
-//! Pictures of a view-dependent mesh: what the camera sees, and beside it the same triangles from outside, with the frustum.
+//! Pictures of a view-dependent mesh: what the camera sees, and the same triangles from outside, with the frustum.
 //!
 //! ```text
 //!     .----------------.  .----------------.
@@ -8,79 +8,27 @@
 //!     '----------------'  '-----/----------'
 //! ```
 
-#[path = "../../src/bin/multires/lettering.rs"]
-mod lettering;
-
 use std::error::Error;
 
 use glam::{DQuat, DVec3};
-use image::{Rgb, RgbImage};
 use multires::mesh::Mesh;
 use multires::quality::{Camera, Colours, Picture, RenderOptions, Shading, render};
 
 use super::flight::{DEGREES, Pose};
+use super::sheet::SIZE;
 
-/// Pixels of a picture, and between and under pictures.
-pub const SIZE: [usize; 2] = [512, 288];
-const GAP: usize = 8;
-const CAPTION: usize = 30;
-const LEGEND: usize = 38;
-const PAPER: [u8; 3] = [238, 238, 238];
-const INK: [u8; 3] = [52, 58, 68];
 const SEEN: [u8; 3] = [112, 160, 214];
 const AWAY: [u8; 3] = [206, 209, 214];
 const OUTSIDE: [u8; 3] = [232, 196, 132];
 const FRUSTUM: [u8; 3] = [208, 52, 44];
+/// What the colours mean.
+pub const LEGEND: [([u8; 3], &str); 4] =
+    [(SEEN, "in view"), (AWAY, "facing away"), (OUTSIDE, "outside the view"), (FRUSTUM, "frustum")];
 
-/// One frame: the triangles drawn, the camera, and what to write below.
+/// One frame: the triangles drawn and the camera.
 pub struct Shot {
     pub mesh: Mesh,
     pub pose: Pose,
-    pub captions: [String; 2],
-}
-
-/// All frames, one below the other, and a legend at the foot.
-pub fn strip(shots: &[Shot]) -> Result<RgbImage, Box<dyn Error>> {
-    let row = SIZE[1] + CAPTION;
-    let size = [2 * SIZE[0] + 3 * GAP, shots.len() * row + GAP + LEGEND];
-    let mut sheet = RgbImage::from_pixel(size[0] as u32, size[1] as u32, Rgb(PAPER));
-    for (number, shot) in shots.iter().enumerate() {
-        let top = GAP + number * row;
-        let pictures = [view(shot)?, outside(shot)?];
-        for (column, (pixels, caption)) in pictures.iter().zip(&shot.captions).enumerate() {
-            let left = GAP + column * (SIZE[0] + GAP);
-            for (i, &pixel) in pixels.iter().enumerate() {
-                let at = [left + i % SIZE[0], top + i / SIZE[0]].map(|n| n as u32);
-                sheet.put_pixel(at[0], at[1], Rgb(pixel));
-            }
-            let middle = [left + SIZE[0] / 2, top + SIZE[1] + CAPTION / 2].map(|n| n as f32);
-            lettering::write(&mut sheet, caption, middle, INK);
-        }
-    }
-    legend(&mut sheet, [size[0] as f32, (size[1] - LEGEND / 2) as f32]);
-    Ok(sheet)
-}
-
-fn legend(sheet: &mut RgbImage, [width, middle]: [f32; 2]) {
-    let entries =
-        [(SEEN, "in view"), (AWAY, "facing away"), (OUTSIDE, "outside the view"), (FRUSTUM, "frustum")];
-    const SWATCH: f32 = 18.0;
-    let wide = |text: &str| SWATCH + 8.0 + lettering::length(text);
-    let all: f32 = entries.iter().map(|(_, text)| wide(text) + 30.0).sum::<f32>() - 30.0;
-    let mut x = (width - all) * 0.5;
-    for (colour, text) in entries {
-        for py in 0..SWATCH as u32 {
-            for px in 0..SWATCH as u32 {
-                let at = [x as u32 + px, (middle - SWATCH * 0.5) as u32 + py];
-                if let Some(pixel) = sheet.get_pixel_mut_checked(at[0], at[1]) {
-                    *pixel = Rgb(colour);
-                }
-            }
-        }
-        let text_middle = x + SWATCH + 8.0 + lettering::length(text) * 0.5;
-        lettering::write(sheet, text, [text_middle, middle], INK);
-        x += wide(text) + 30.0;
-    }
 }
 
 fn options(edges: f32) -> RenderOptions {
@@ -92,21 +40,25 @@ fn options(edges: f32) -> RenderOptions {
         .with_edges(edges)
 }
 
-/// What the camera of the frame sees.
-fn view(shot: &Shot) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+/// The camera of a pose.
+pub fn camera(pose: &Pose) -> Camera {
+    Camera::new(pose.eye.to_array(), pose.target.to_array())
+        .with_up(pose.up.to_array())
+        .with_field_of_view(DEGREES.to_radians())
+}
+
+/// What the camera of the frame sees, with edges of this width in pixels.
+pub fn view(shot: &Shot, edges: f32) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     let colours = match shot.mesh.materials() {
         [] => Colours::Uniform([150, 172, 200]),
         _ => Colours::Materials,
     };
-    let pose = &shot.pose;
-    let camera = Camera::new(pose.eye.to_array(), pose.target.to_array())
-        .with_up(pose.up.to_array())
-        .with_field_of_view(DEGREES.to_radians());
-    Ok(render(&shot.mesh, &camera, &options(1.0).with_colours(colours))?.pixels().to_vec())
+    let options = options(edges).with_colours(colours);
+    Ok(render(&shot.mesh, &camera(&shot.pose), &options)?.pixels().to_vec())
 }
 
 /// The same triangles from beside the camera, with its frustum.
-fn outside(shot: &Shot) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+pub fn outside(shot: &Shot) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     let camera = beside(shot);
     let seen = colours(shot);
     let draw = |mesh: &Mesh, colours: &[[u8; 3]], edges: f32| {

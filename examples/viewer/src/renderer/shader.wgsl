@@ -1,0 +1,207 @@
+// A surface in a studio of soft lights that go with the camera, and lines and backdrop around it.
+
+struct Frame {
+    // From places seen from the eye (world axes) to clip space; depth is reversed: 1 at the near plane, 0 at infinity.
+    clip: mat4x4<f32>,
+    // Where the eye is; w: pixels that a unit of length takes at distance 1.
+    eye: vec4<f32>,
+    // The picture's axes in the world; right.w: the tolerance in pixels.
+    right: vec4<f32>,
+    up: vec4<f32>,
+    forward: vec4<f32>,
+    // Linear colours at the top and at the foot.
+    top: vec4<f32>,
+    foot: vec4<f32>,
+    // x: what colours the surface; y: 1 for one normal a triangle.
+    mode: vec4<u32>,
+}
+
+const MATERIAL = 0u;
+const LEVEL = 1u;
+const ERROR = 2u;
+const NORMAL = 3u;
+const TEXTURE = 4u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var smooth_sampler: sampler;
+@group(0) @binding(2) var scale: texture_2d<f32>;
+@group(1) @binding(0) var picture: texture_2d<f32>;
+@group(1) @binding(1) var picture_sampler: sampler;
+
+struct Corner {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    // Level and error.
+    @location(3) detail: vec2<f32>,
+    @location(4) row_x: vec4<f32>,
+    @location(5) row_y: vec4<f32>,
+    @location(6) row_z: vec4<f32>,
+    @location(7) colour: vec4<f32>,
+}
+
+struct Point {
+    @builtin(position) clip: vec4<f32>,
+    // From the eye, world axes. At the middle of the pixel, so that its derivatives are those of the plane.
+    @location(0) offset: vec3<f32>,
+    @location(1) @interpolate(perspective, centroid) normal: vec3<f32>,
+    @location(2) @interpolate(perspective, centroid) uv: vec2<f32>,
+    @location(3) @interpolate(perspective, centroid) detail: vec2<f32>,
+    @location(4) @interpolate(flat) colour: vec4<f32>,
+}
+
+fn place(corner: Corner) -> Point {
+    let at = vec4(corner.position, 1.0);
+    let world = vec3(dot(corner.row_x, at), dot(corner.row_y, at), dot(corner.row_z, at));
+    var point: Point;
+    point.offset = world - frame.eye.xyz;
+    point.clip = frame.clip * vec4(point.offset, 1.0);
+    point.normal = vec3(
+        dot(corner.row_x.xyz, corner.normal),
+        dot(corner.row_y.xyz, corner.normal),
+        dot(corner.row_z.xyz, corner.normal),
+    );
+    point.uv = corner.uv;
+    // The error in world units.
+    point.detail = vec2(corner.detail.x, corner.detail.y * length(corner.row_x.xyz));
+    point.colour = corner.colour;
+    return point;
+}
+
+@vertex
+fn surface_corner(corner: Corner) -> Point {
+    return place(corner);
+}
+
+// The same a little nearer, to lie on top of the surface.
+@vertex
+fn overlay_corner(corner: Corner) -> Point {
+    var point = place(corner);
+    point.clip.z *= 1.0005;
+    return point;
+}
+
+fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
+    let square = dot(v, v);
+    if square > 1e-20 {
+        return v * inverseSqrt(square);
+    }
+    return other;
+}
+
+fn soft(normal: vec3<f32>, light: vec3<f32>, wrap: f32) -> f32 {
+    return max((dot(normal, light) + wrap) / (1.0 + wrap), 0.0);
+}
+
+fn gloss(normal: vec3<f32>, light: vec3<f32>, ray: vec3<f32>, power: f32) -> f32 {
+    return pow(max(dot(normal, normalize(light - ray)), 0.0), power);
+}
+
+fn towards(x: f32, y: f32, z: f32) -> vec3<f32> {
+    return normalize(frame.right.xyz * x + frame.up.xyz * y - frame.forward.xyz * z);
+}
+
+// Key from above the left shoulder, fill from the right, rim from behind; sky above and ground below.
+fn lit(base: vec3<f32>, normal: vec3<f32>, ray: vec3<f32>) -> vec3<f32> {
+    let key = towards(-0.55, 0.75, 0.65);
+    let fill = towards(0.9, 0.05, 0.55);
+    let rim = towards(0.35, 0.65, -0.75);
+    let sky = 0.5 + 0.5 * dot(normal, frame.up.xyz);
+    let grazing = clamp(1.0 + dot(normal, ray), 0.0, 1.0);
+    let ambient = mix(vec3(0.13, 0.125, 0.12), vec3(0.37, 0.40, 0.45), sky);
+    let direct = vec3(1.0, 0.975, 0.94) * (1.12 * pow(soft(normal, key, 0.1), 1.3))
+        + vec3(0.72, 0.84, 1.0) * (0.22 * soft(normal, fill, 0.3));
+    let outline = vec3(0.95, 0.98, 1.0) * (0.55 * soft(normal, rim, 0.0) * grazing * grazing);
+    let shine = 0.10 * gloss(normal, key, ray, 48.0) + 0.03 * gloss(normal, fill, ray, 24.0);
+    return base * (ambient + direct + outline * 0.6) + outline * 0.12 + vec3(shine);
+}
+
+// A colour of the scale from 0 to 1.
+fn on_scale(t: f32) -> vec3<f32> {
+    let across = (0.5 + clamp(t, 0.0, 1.0) * 255.0) / 256.0;
+    return textureSampleLevel(scale, smooth_sampler, vec2(across, 0.5), 0.0).rgb;
+}
+
+// What back faces look like, so that flipped triangles and open insides are seen.
+const BACK = vec3(0.434154, 0.187821, 0.138432);
+
+@fragment
+fn surface(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let ray = normalize(point.offset);
+    // Derivatives and samples before anything depends on the pixel.
+    var flat = unit_or(cross(dpdx(point.offset), dpdy(point.offset)), -ray);
+    let painted = textureSample(picture, picture_sampler, point.uv).rgb;
+    if dot(flat, ray) > 0.0 {
+        flat = -flat;
+    }
+    var normal = flat;
+    if frame.mode.y == 0u {
+        normal = unit_or(point.normal, vec3(0.0));
+        if !front {
+            normal = -normal;
+        }
+        if dot(normal, normal) == 0.0 {
+            normal = flat;
+        }
+        // Where the triangle is seen and its smooth normal points away: the nearest that does not.
+        let away = dot(normal, ray);
+        if away > 0.0 {
+            normal = unit_or(normal - ray * away, flat);
+        }
+    }
+    var base = point.colour.rgb;
+    switch frame.mode.x {
+        case LEVEL: { base = on_scale(point.detail.x); }
+        case ERROR: {
+            // In tolerances, by octaves: the middle of the scale is one.
+            let pixels = point.detail.y * frame.eye.w / max(length(point.offset), 1e-20);
+            base = on_scale(0.5 + log2(max(pixels / max(frame.right.w, 1e-6), 1e-6)) / 8.0);
+        }
+        case NORMAL: { return vec4(pow(0.5 + 0.5 * normal, vec3(2.2)), 1.0); }
+        case TEXTURE: { base = painted; }
+        default: {}
+    }
+    if !front && frame.mode.x != LEVEL && frame.mode.x != ERROR {
+        base = BACK;
+    }
+    return vec4(lit(base, normal, ray), 1.0);
+}
+
+// One colour, faded where it does not face the eye.
+@fragment
+fn overlay(point: Point) -> @location(0) vec4<f32> {
+    return point.colour;
+}
+
+struct Backdrop {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) down: f32,
+}
+
+@vertex
+fn backdrop_corner(@builtin(vertex_index) index: u32) -> Backdrop {
+    let corner = vec2(f32((index << 1u) & 2u), f32(index & 2u));
+    // At depth 0: behind everything.
+    return Backdrop(vec4(corner * 2.0 - 1.0, 0.0, 1.0), 1.0 - corner.y);
+}
+
+@fragment
+fn backdrop(at: Backdrop) -> @location(0) vec4<f32> {
+    // Opacity 0, so that a picture says what of it is surface.
+    return vec4(mix(frame.top.rgb, frame.foot.rgb, at.down), 0.0);
+}
+
+struct Line {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) colour: vec4<f32>,
+}
+
+@vertex
+fn line_end(@location(0) position: vec3<f32>, @location(1) colour: vec4<f32>) -> Line {
+    return Line(frame.clip * vec4(position - frame.eye.xyz, 1.0), colour);
+}
+
+@fragment
+fn line(at: Line) -> @location(0) vec4<f32> {
+    return at.colour;
+}

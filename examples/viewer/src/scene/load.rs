@@ -1,0 +1,141 @@
+//! Models that are read and built in a thread of their own, with progress and cancel.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+use multires::mesh::Mesh;
+
+use super::Builtin;
+use super::model::{BuildOptions, Model, ModelError, StructureKind};
+
+/// Where a model comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Source {
+    /// A file: a mesh, or a baked structure.
+    File(PathBuf),
+    /// A built-in scene, with about so many triangles where that can be chosen.
+    Builtin(Builtin, Option<u32>),
+}
+
+impl Source {
+    /// What it is called.
+    pub fn name(&self) -> String {
+        match self {
+            Self::File(path) => path
+                .file_name()
+                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
+            Self::Builtin(builtin, _) => builtin.name().to_owned(),
+        }
+    }
+
+    /// Where its objects are.
+    pub fn places(&self) -> Vec<[[f32; 4]; 4]> {
+        match self {
+            Self::File(_) => vec![glam::Mat4::IDENTITY.to_cols_array_2d()],
+            Self::Builtin(builtin, _) => builtin.places(),
+        }
+    }
+
+    fn mesh(&self, structure: StructureKind) -> Result<Mesh, ModelError> {
+        match self {
+            Self::File(path) => Model::read_mesh(path),
+            Self::Builtin(builtin, triangles) => Ok(builtin.mesh(*triangles, structure)),
+        }
+    }
+
+    /// Reads and builds. A baked file is what it is, whatever the options but for texture coordinates.
+    ///
+    /// # Errors
+    /// Everything that [`Model`] may refuse.
+    pub fn load(
+        &self,
+        options: &BuildOptions,
+        progress: &mut dyn FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Model, ModelError> {
+        match self {
+            Self::File(path) if Model::is_baked(path) => Model::read_baked(path, options.coordinates),
+            _ => {
+                let mesh = self.mesh(options.structure)?;
+                if progress(0.0).is_break() {
+                    return Err(ModelError::Cancelled);
+                }
+                Model::build(&mesh, options, progress)
+            }
+        }
+    }
+}
+
+/// A model on its way.
+pub struct Loading {
+    source: Source,
+    answer: Receiver<Result<Model, ModelError>>,
+    /// Share of the way, as the bits of a float.
+    progress: Arc<AtomicU32>,
+    cancel: Arc<AtomicBool>,
+    since: Instant,
+}
+
+impl Loading {
+    /// Starts. `wake` is called when there is an answer.
+    pub fn start(source: Source, options: BuildOptions, wake: impl Fn() + Send + 'static) -> Self {
+        let progress = Arc::new(AtomicU32::new(0));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, answer) = channel();
+        let loading = Self {
+            source: source.clone(),
+            answer,
+            progress: Arc::clone(&progress),
+            cancel: Arc::clone(&cancel),
+            since: Instant::now(),
+        };
+        std::thread::spawn(move || {
+            let mut tell = |at: f32| {
+                progress.store(at.to_bits(), Ordering::Relaxed);
+                if cancel.load(Ordering::Relaxed) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            let model = source.load(&options, &mut tell);
+            // Where nobody waits any more, nobody needs it.
+            let _ = sender.send(model);
+            wake();
+        });
+        loading
+    }
+
+    /// What is loaded.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Share of the way, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        f32::from_bits(self.progress.load(Ordering::Relaxed))
+    }
+
+    /// How long it has taken so far.
+    pub fn elapsed(&self) -> Duration {
+        self.since.elapsed()
+    }
+
+    /// Asks to stop soon.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// The answer, once, when it is there.
+    pub fn poll(&self) -> Option<Result<Model, ModelError>> {
+        match self.answer.try_recv() {
+            Ok(answer) => Some(answer),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(ModelError::Lost)),
+        }
+    }
+}

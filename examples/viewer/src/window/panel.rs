@@ -1,0 +1,419 @@
+//! The side panel: everything that can be set, and what comes of it.
+
+use egui::{Align2, Color32, ComboBox, FontId, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use multires::hierarchy::Dependencies;
+use multires::simplify::{Placement, metric};
+use multires::view::ErrorKind;
+use multires::wavelet::{ErrorBound, Triangulation};
+
+use super::graphs::short;
+use super::hands::Hands;
+use super::viewer::Viewer;
+use crate::arguments::Layout;
+use crate::renderer::Shading;
+use crate::scene::{Builtin, Coordinates, Source, Storage, StructureKind};
+
+/// Width of the panel, points, and of windows that are too narrow for it to be open at first.
+const WIDTH: f32 = 310.0;
+const NARROW: f32 = 700.0;
+
+/// What the panel remembers between frames.
+#[derive(Debug, Default)]
+pub struct Panel {
+    /// Whether it is open; by the window's width until somebody said.
+    open: Option<bool>,
+}
+
+/// What was asked for in a frame, besides what controls hold.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Load this.
+    pub load: Option<Source>,
+    /// Build what is shown anew.
+    pub rebuild: bool,
+    /// Parts of the window for pictures, points: left, top, width, height.
+    pub parts: Vec<egui::Rect>,
+    /// Whether the camera was moved.
+    pub moved: bool,
+}
+
+impl Panel {
+    /// Lays out a frame, and takes what hands do over the picture.
+    pub fn show(&mut self, ui: &mut Ui, viewer: &mut Viewer, seconds: f64) -> Asked {
+        let mut asked = Asked::default();
+        let wide = ui.available_width();
+        let open = self.open.unwrap_or(wide >= NARROW);
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let tab = !typing && ui.input(|input| input.key_pressed(egui::Key::Tab));
+        if tab {
+            self.open = Some(!open);
+        }
+        if open {
+            let width = WIDTH.min(wide * 0.9);
+            egui::Panel::right("controls").resizable(false).default_size(width).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.heading("multires");
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        if ui.small_button("Hide").on_hover_text("Tab").clicked() {
+                            self.open = Some(false);
+                        }
+                    });
+                });
+                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                    ui.spacing_mut().slider_width = 104.0;
+                    model(ui, viewer, &mut asked);
+                    detail(ui, viewer);
+                    picture(ui, viewer);
+                    camera(ui, viewer);
+                    numbers(ui, viewer);
+                });
+            });
+        }
+        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
+            let over = ui.allocate_response(ui.available_size(), Sense::click_and_drag());
+            asked.parts = parts(over.rect, viewer.controls.layout);
+            let (size, fov) = (viewer.size(), viewer.controls.field_of_view);
+            asked.moved = viewer.hands.move_by(&over, seconds, size, fov);
+            if asked.moved && viewer.tape()[1] {
+                viewer.play(false);
+            }
+            if over.double_clicked() {
+                viewer.reset_camera();
+            }
+            captions(ui, viewer, &asked.parts);
+            if !open {
+                let place =
+                    egui::Rect::from_min_size(over.rect.right_top() + vec2(-76.0, 8.0), vec2(68.0, 24.0));
+                if ui.put(place, egui::Button::new("Controls")).clicked() {
+                    self.open = Some(true);
+                }
+            }
+        });
+        asked
+    }
+}
+
+/// Pictures side by side where there is room, else above each other.
+fn parts(area: egui::Rect, layout: Layout) -> Vec<egui::Rect> {
+    let count = layout.pictures();
+    let across = area.width() >= area.height();
+    let each = if across {
+        vec2(area.width() / count as f32, area.height())
+    } else {
+        vec2(area.width(), area.height() / count as f32)
+    };
+    let at = |i: u32| if across { vec2(each.x * i as f32, 0.0) } else { vec2(0.0, each.y * i as f32) };
+    (0..count).map(|i| egui::Rect::from_min_size(area.min + at(i), each)).collect()
+}
+
+/// What each picture is, on it; and what is going on.
+fn captions(ui: &Ui, viewer: &Viewer, parts: &[egui::Rect]) {
+    let drawn = viewer.adapted.change.triangles as f32;
+    let full = viewer.scene().map_or(0, |scene| scene.model().triangle_count() * scene.len());
+    let texts = [
+        format!("{} triangles{}", short(drawn, ""), if viewer.is_frozen() { ", frozen" } else { "" }),
+        format!("full mesh, {} triangles", short(full as f32, "")),
+        "difference, 8 times; red, blue: silhouette".to_owned(),
+    ];
+    let label = |at: egui::Pos2, anchor: Align2, text: &str, colour: Color32| {
+        let galley = ui.painter().layout(
+            text.to_owned(),
+            FontId::proportional(14.0),
+            colour,
+            (ui.available_width().max(parts[0].width()) - 40.0).max(80.0),
+        );
+        let place = anchor.anchor_size(at, galley.size());
+        ui.painter().rect_filled(place.expand2(vec2(7.0, 4.0)), 4.0, Color32::from_black_alpha(165));
+        ui.painter().galley(place.min, galley, colour);
+    };
+    if viewer.scene().is_some() {
+        for (part, text) in parts.iter().zip(&texts) {
+            label(part.left_top() + vec2(15.0, 12.0), Align2::LEFT_TOP, text, Color32::WHITE);
+        }
+    }
+    let all = parts.iter().fold(parts[0], |all, part| all.union(*part));
+    if let Some((name, progress, elapsed)) = viewer.loading() {
+        let text = format!("{name}: {:.0} %, {:.1} s", 100.0 * progress, elapsed.as_secs_f32());
+        label(all.center(), Align2::CENTER_CENTER, &text, Color32::WHITE);
+    } else if let Some(message) = &viewer.message {
+        let at = all.center_bottom() - vec2(0.0, 16.0);
+        label(at, Align2::CENTER_BOTTOM, message, Color32::from_rgb(255, 214, 150));
+    }
+    if ui.input(|input| !input.raw.hovered_files.is_empty()) {
+        label(
+            all.center(),
+            Align2::CENTER_CENTER,
+            "a model, a .png to paint it with, or a .csv path",
+            Color32::WHITE,
+        );
+    }
+}
+
+fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(RichText::new(name).strong()).default_open(true).show(ui, add);
+}
+
+/// A choice among a few.
+fn choice<T: PartialEq + Copy>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, &str)]) {
+    ui.horizontal(|ui| {
+        ui.label(name);
+        let shown = all.iter().find(|(other, _)| other == value).map_or("", |(_, text)| text);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ComboBox::from_id_salt(name).selected_text(shown).width(150.0).show_ui(ui, |ui| {
+                for (other, text) in all {
+                    ui.selectable_value(value, *other, *text);
+                }
+            });
+        });
+    });
+}
+
+fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
+    section(ui, "Model", |ui| {
+        ui.label(viewer.name());
+        if let Some(scene) = viewer.scene() {
+            let model = scene.model();
+            let many = if scene.len() > 1 { format!("{} objects of ", scene.len()) } else { String::new() };
+            ui.weak(format!(
+                "{many}{} triangles, {}",
+                short(model.triangle_count() as f32, ""),
+                model.kind()
+            ));
+        }
+        if let Some((_, progress, _)) = viewer.loading() {
+            ui.horizontal(|ui| {
+                ui.add(egui::ProgressBar::new(progress).desired_width(190.0).show_percentage());
+                if ui.button("Cancel").clicked() {
+                    viewer.cancel();
+                }
+            });
+        }
+        ui.horizontal(|ui| {
+            for builtin in [Builtin::Demo, Builtin::Terrain, Builtin::Rocks] {
+                if ui.button(builtin.name()).clicked() {
+                    asked.load = Some(Source::Builtin(builtin, None));
+                }
+            }
+        });
+        ui.weak("or drop a file on the window");
+        let build = &mut viewer.controls.build;
+        choice(
+            ui,
+            "Structure",
+            &mut build.structure,
+            &[
+                (StructureKind::Hierarchy, "vertex hierarchy"),
+                (StructureKind::Tom, "totally ordered"),
+                (StructureKind::Wavelet, "wavelet mesh"),
+            ],
+        );
+        if build.structure == StructureKind::Wavelet {
+            choice(
+                ui,
+                "Bound",
+                &mut build.wavelets.bound,
+                &[
+                    (ErrorBound::Conservative, "conservative"),
+                    (ErrorBound::WithoutSiblings, "without siblings"),
+                ],
+            );
+            choice(
+                ui,
+                "Coordinates",
+                &mut build.coordinates,
+                &[(Coordinates::Atlas, "atlas of the base"), (Coordinates::Own, "own")],
+            );
+        } else {
+            let mut chosen = metric::NAMES.iter().position(|name| *name == build.metric).unwrap_or(0);
+            let names: Vec<(usize, &str)> = metric::NAMES.into_iter().enumerate().collect();
+            choice(ui, "Metric", &mut chosen, &names);
+            if let Some(name) = metric::NAMES.get(chosen) {
+                build.metric = (*name).to_owned();
+            }
+        }
+        if build.structure == StructureKind::Hierarchy {
+            choice(
+                ui,
+                "Placement",
+                &mut build.placement,
+                &[
+                    (Placement::Endpoint, "endpoint"),
+                    (Placement::Midpoint, "midpoint"),
+                    (Placement::Subset, "subset"),
+                    (Placement::Optimal, "optimal"),
+                ],
+            );
+            choice(
+                ui,
+                "Dependencies",
+                &mut build.dependencies,
+                &[
+                    (Dependencies::None, "none"),
+                    (Dependencies::Adjacent, "adjacent"),
+                    (Dependencies::Neighbours, "neighbours"),
+                ],
+            );
+        }
+        if let Some(source) = viewer.refused().cloned() {
+            ui.weak(format!("{} is no subdivision of a coarse mesh", source.name()));
+            if ui.button("Build a vertex hierarchy").clicked() {
+                viewer.controls.build.structure = StructureKind::Hierarchy;
+                asked.load = Some(source);
+            }
+        }
+        let outdated = viewer.is_outdated() && viewer.loading().is_none();
+        asked.rebuild = ui.add_enabled(outdated, egui::Button::new("Build anew")).clicked();
+    });
+}
+
+fn detail(ui: &mut Ui, viewer: &mut Viewer) {
+    let selective = viewer.scene().is_none_or(|scene| scene.model().is_selective());
+    let wavelets = viewer.scene().is_some_and(|scene| scene.model().wavelets().is_some());
+    section(ui, "Level of detail", |ui| {
+        let tolerances = &mut viewer.controls.tolerances;
+        ui.add(Slider::new(&mut tolerances.anywhere, 0.1..=50.0).logarithmic(true).text("tolerance, px"));
+        let mut own = tolerances.silhouette.is_some();
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut own, "silhouette");
+            let mut pixels = tolerances.silhouette.unwrap_or(tolerances.anywhere * 0.5);
+            ui.add_enabled(own, Slider::new(&mut pixels, 0.1..=50.0).logarithmic(true).text("px"));
+            tolerances.silhouette = own.then_some(pixels);
+        });
+        ui.add_enabled_ui(!wavelets, |ui| {
+            choice(
+                ui,
+                "Error",
+                &mut tolerances.error,
+                &[(ErrorKind::Geometric, "geometric"), (ErrorKind::Parametric, "parametric")],
+            );
+        });
+        ui.add_enabled_ui(selective, |ui| {
+            let settings = &mut viewer.controls.settings;
+            choice(
+                ui,
+                "Vertices",
+                &mut settings.storage,
+                &[(Storage::Static, "static"), (Storage::Compact, "compact")],
+            );
+            if wavelets {
+                choice(
+                    ui,
+                    "Triangles",
+                    &mut settings.triangulation,
+                    &[(Triangulation::Exact, "exact"), (Triangulation::Minimal, "minimal")],
+                );
+            }
+            let mut limited = settings.limits.triangles.is_some();
+            ui.horizontal(|ui| {
+                ui.checkbox(&mut limited, "budget");
+                let mut most = settings.limits.triangles.unwrap_or(10_000);
+                let slider = Slider::new(&mut most, 100..=1_000_000).logarithmic(true).text("triangles");
+                ui.add_enabled(limited, slider);
+                settings.limits = settings.limits.with_triangles(limited.then_some(most));
+            });
+            let mut moves = settings.geomorph.is_some();
+            ui.horizontal(|ui| {
+                ui.checkbox(&mut moves, "geomorph");
+                let mut seconds = settings.geomorph.unwrap_or(0.3);
+                ui.add_enabled(moves, Slider::new(&mut seconds, 0.05..=3.0).logarithmic(true).text("s"));
+                settings.geomorph = moves.then_some(seconds);
+            });
+        });
+        if viewer.adapted.change.over_budget {
+            ui.weak("the coarsest mesh is above the budget");
+        }
+        let mut frozen = viewer.is_frozen();
+        if ui.checkbox(&mut frozen, "freeze the cut, show its frustum").changed() {
+            viewer.freeze(frozen);
+        }
+    });
+}
+
+fn picture(ui: &mut Ui, viewer: &mut Viewer) {
+    let has_wire = viewer.has_wire();
+    section(ui, "Picture", |ui| {
+        let controls = &mut viewer.controls;
+        choice(
+            ui,
+            "Shading",
+            &mut controls.shading,
+            &[
+                (Shading::Material, "material"),
+                (Shading::Level, "level"),
+                (Shading::Error, "error"),
+                (Shading::Normal, "normal"),
+                (Shading::Texture, "texture"),
+                (Shading::Dirty, "dirty triangles"),
+            ],
+        );
+        choice(
+            ui,
+            "Beside it",
+            &mut controls.layout,
+            &[
+                (Layout::Nothing, "nothing"),
+                (Layout::Full, "full mesh"),
+                (Layout::Difference, "that and difference"),
+            ],
+        );
+        ui.horizontal(|ui| {
+            let compares = controls.layout == Layout::Difference;
+            ui.add_enabled(has_wire && !compares, egui::Checkbox::new(&mut controls.wire, "wireframe"))
+                .on_disabled_hover_text(if compares {
+                    "differences are those of surfaces"
+                } else {
+                    "this graphics adapter cannot"
+                });
+            ui.checkbox(&mut controls.flat, "flat");
+        });
+    });
+}
+
+fn camera(ui: &mut Ui, viewer: &mut Viewer) {
+    section(ui, "Camera", |ui| {
+        let size = viewer.size();
+        ui.horizontal(|ui| {
+            let mut flies = matches!(viewer.hands, Hands::Fly(_));
+            ui.selectable_value(&mut flies, false, "orbit");
+            ui.selectable_value(&mut flies, true, "fly").on_hover_text("W A S D Q E, shift is fast");
+            viewer.hands.fly(flies, size);
+            if ui.button("Show all").on_hover_text("double click").clicked() {
+                viewer.reset_camera();
+            }
+            let mut z_up = viewer.controls.z_up;
+            if ui.checkbox(&mut z_up, "z up").changed() {
+                viewer.controls.z_up = z_up;
+                viewer.reset_camera();
+            }
+        });
+        let mut degrees = viewer.controls.field_of_view.to_degrees();
+        ui.add(Slider::new(&mut degrees, 10.0..=120.0).text("field of view"));
+        viewer.controls.field_of_view = degrees.to_radians();
+        ui.horizontal(|ui| {
+            let [records, plays] = viewer.tape();
+            if ui.button(if records { "Stop recording" } else { "Record path" }).clicked() {
+                viewer.record(!records);
+            }
+            let frames = viewer.path_frames();
+            let text = if plays { "Stop".to_owned() } else { format!("Replay {frames} frames") };
+            if ui.add_enabled(frames > 0 && !records, egui::Button::new(text)).clicked() {
+                viewer.play(!plays);
+            }
+        });
+    });
+}
+
+fn numbers(ui: &mut Ui, viewer: &Viewer) {
+    section(ui, "Numbers", |ui| {
+        viewer.history.show(ui);
+        if let Some(scene) = viewer.scene() {
+            let [own, shared] = scene.card_memory();
+            ui.weak(format!(
+                "on the card: {}B of instances, {}B shared",
+                short(own as f32, ""),
+                short(shared as f32, "")
+            ));
+        }
+        ui.weak(viewer.card());
+    });
+}

@@ -1,0 +1,280 @@
+//! Wavelet transforms: a function on a subdivision as its values on the base and a coefficient for every midpoint.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `domain.rs` | nodes: vertices, or points; what a function has one value for each of |
+//! | `products.rs` | exact inner products of hats; the L2 error |
+//! | `disk.rs` | the weights of k-disk wavelets |
+//! | `mod.rs` | [`WaveletTransform`]: analysis and synthesis |
+//! | `compress.rs` | [`Coefficients`]: leaving out the least |
+
+mod compress;
+mod disk;
+mod domain;
+mod products;
+
+use std::ops::Range;
+
+use super::{Subdivision, WaveletError, WaveletMesh};
+use disk::Lifting;
+use domain::Domain;
+
+pub use compress::Coefficients;
+pub use products::l2_error;
+
+/// Most rings of a disk.
+const MOST_RINGS: u8 = 2;
+
+/// Which functions the coefficients are weights of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Wavelet {
+    /// Hats at midpoints: coarser levels are samples of the finest one.
+    Lazy,
+    /// Hats at midpoints less those coarser hats that make them orthogonal to all within so many rings of neighbours
+    /// about the edge, 0 to 2: coarser levels are nearly the best approximations in the mean square.
+    Disk(u8),
+}
+
+/// Takes functions on one subdivision apart into values on the base and wavelet coefficients, and puts them together
+/// again.
+///
+/// A function is linear on the faces of the finest level; on every coarser level it is one with the coefficients of all
+/// finer ones left out. The coefficient of a midpoint is its value less the middle of its ends; for [`Wavelet::Disk`]
+/// the values of the level before are corrected by it, s_k w for every hat k of the disk, before they are taken apart
+/// in turn (Lounsbery et al. 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting
+/// form of Southern, appendix A, equation A.10). Synthesis does the same backwards.
+///
+/// Values belong to nodes. With [`of_points`](Self::of_points) these are points: all vertices at a seam have one value,
+/// so that no truncation opens a crack; what positions want. With [`of_vertices`](Self::of_vertices) these are
+/// vertices, and the surface is cut along its seams; what texture coordinates want. Nodes are numbered level by level,
+/// the base first.
+///
+/// Lazy transforms work for all subdivisions. Disks ask for whole levels: the faces of a component, joined by nodes,
+/// are to be split equally deep. O(n) to make, to analyse and to synthesise, as long as few vertices have very many
+/// neighbours; a disk of more than 256 hats gives way to one of fewer rings.
+///
+/// ```
+/// use multires::mesh::shapes;
+/// use multires::wavelet::{Wavelet, WaveletBuilder, WaveletOptions, WaveletTransform, l2_error};
+///
+/// let mut builder = WaveletBuilder::new(&shapes::icosphere(0))?;
+/// for level in 1..=4 {
+///     // Rough on all scales.
+///     builder.subdivide(|m| m.middle.map(|x| x + (40.0 * x).sin() / (1 << level) as f32 / 10.0))?;
+/// }
+/// let mesh = builder.build(&WaveletOptions::default())?;
+/// let positions = mesh.vertices().positions().as_flattened();
+/// let error = |kind| -> Result<f64, multires::wavelet::WaveletError> {
+///     let transform = WaveletTransform::of_points(&mesh, kind)?;
+///     let tenth = transform.analyse(positions, 3)?.to_count(256);
+///     l2_error(mesh.subdivision(), 3, positions, &tenth.synthesise())
+/// };
+/// assert!(error(Wavelet::Disk(1))? < error(Wavelet::Lazy)?);
+/// # Ok::<(), multires::wavelet::WaveletError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct WaveletTransform {
+    kind: Wavelet,
+    domain: Domain,
+    /// `None`: lazy.
+    lifting: Option<Lifting>,
+    /// Per node that is not of the base the norm of its wavelet.
+    norms: Vec<f64>,
+}
+
+impl WaveletTransform {
+    /// For functions with one value for all vertices at a point.
+    ///
+    /// # Errors
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of one component split to different
+    /// depths.
+    pub fn of_points(mesh: &WaveletMesh, kind: Wavelet) -> Result<Self, WaveletError> {
+        Self::new(mesh.subdivision(), Domain::of_points(mesh), kind)
+    }
+
+    /// For functions with a value for every vertex, of which those on the two sides of a seam have nothing to do with
+    /// each other.
+    ///
+    /// # Errors
+    /// As for [`of_points`](Self::of_points).
+    pub fn of_vertices(subdivision: &Subdivision, kind: Wavelet) -> Result<Self, WaveletError> {
+        Self::new(subdivision, Domain::of_vertices(subdivision), kind)
+    }
+
+    fn new(of: &Subdivision, domain: Domain, kind: Wavelet) -> Result<Self, WaveletError> {
+        let lifting = match kind {
+            Wavelet::Lazy => None,
+            Wavelet::Disk(rings) if rings <= MOST_RINGS => Some(Lifting::new(of, &domain, rings)?),
+            Wavelet::Disk(rings) => {
+                let what = "a disk has no more than two rings";
+                return Err(WaveletError::Invalid { what, at: rings.into() });
+            }
+        };
+        let products = domain.midpoint_products(of);
+        let whole = of.base_face_count().max(1) as f64;
+        let mut norms = Vec::with_capacity(products.len());
+        for level in 1..=domain.depth() {
+            let unit = 0.25_f64.powi(level as i32 - 1) / (48.0 * whole);
+            for node in domain.nodes_of(level) {
+                let at = node - domain.base();
+                let gain = lifting.as_ref().map_or(0.0, |lifting| lifting.gain[at]);
+                norms.push((unit * (f64::from(products[at]) - gain)).max(0.0).sqrt());
+            }
+        }
+        Ok(Self { kind, domain, lifting, norms })
+    }
+
+    /// Which wavelets.
+    pub fn kind(&self) -> Wavelet {
+        self.kind
+    }
+
+    /// The deepest level; 0 where nothing is split.
+    pub fn depth(&self) -> usize {
+        self.domain.depth()
+    }
+
+    /// Vertices that functions have values for.
+    pub fn vertex_count(&self) -> usize {
+        self.domain.node_of.len()
+    }
+
+    /// Nodes: coefficients and values on the base.
+    pub fn node_count(&self) -> usize {
+        self.domain.len()
+    }
+
+    /// Nodes whose coefficients are of a level, by number; those of the base for level 0, empty out of range.
+    pub fn nodes_of(&self, level: usize) -> Range<usize> {
+        self.domain.nodes_of(level)
+    }
+
+    /// The node of a vertex; `None` out of range.
+    pub fn node_of(&self, vertex: u32) -> Option<usize> {
+        self.domain.node_of.get(vertex as usize).map(|&node| node as usize)
+    }
+
+    /// The first vertex of a node; `None` out of range.
+    pub fn vertex_of(&self, node: usize) -> Option<u32> {
+        self.domain.vertex_of.get(node).copied()
+    }
+
+    /// The root of the mean square of a node's wavelet over the surface, every base face counting the same: what 1 as
+    /// its coefficient and 0 elsewhere is apart from nothing ([`l2_error`]). `None` for the base and out of range.
+    pub fn norm(&self, node: usize) -> Option<f64> {
+        self.norms.get(node.checked_sub(self.domain.base())?).copied()
+    }
+
+    /// The coarser hats that a node's wavelet is less, by node, and how much of each; `None` for the base, out of range
+    /// and for lazy wavelets.
+    pub fn lifting(&self, node: usize) -> Option<(&[u32], &[f64])> {
+        let at = node.checked_sub(self.domain.base()).filter(|&at| at < self.norms.len())?;
+        self.lifting.as_ref().map(|lifting| lifting.disk(at))
+    }
+
+    /// How many different systems of equations disks led to; 0 for lazy wavelets.
+    pub fn patterns(&self) -> usize {
+        self.lifting.as_ref().map_or(0, |lifting| lifting.patterns)
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        let lifting = self.lifting.as_ref().map_or(0, Lifting::memory);
+        self.domain.memory() + lifting + size_of_val(&self.norms[..])
+    }
+
+    /// Takes a function apart: `width` scalars a vertex, vertex by vertex. O(n).
+    ///
+    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) as long as the values
+    /// of no vertex and the ends of its edge, zeros apart, differ by more than a factor of 2^26: then all sums are
+    /// exact. Otherwise, and for disks, to some 1e-15 of the largest value nearby, before it is rounded to single
+    /// precision.
+    ///
+    /// # Errors
+    /// Values that are not `width` a vertex, a width of 0, a value that is not finite, and vertices of one node whose
+    /// values are not equal.
+    pub fn analyse(&self, values: &[f32], width: usize) -> Result<Coefficients<'_>, WaveletError> {
+        check_length(values.len(), self.vertex_count(), width)?;
+        let mut nodes: Vec<f64> = Vec::with_capacity(self.node_count() * width);
+        for &vertex in &self.domain.vertex_of {
+            nodes.extend(values[vertex as usize * width..][..width].iter().map(|&x| f64::from(x)));
+        }
+        for ((vertex, own), &node) in values.chunks_exact(width).enumerate().zip(&self.domain.node_of) {
+            if !own.iter().all(|x| x.is_finite()) {
+                let what = "a value is not finite: of the vertex";
+                return Err(WaveletError::Invalid { what, at: vertex });
+            }
+            let of_node = &nodes[node as usize * width..][..width];
+            if own.iter().zip(of_node).any(|(&a, &b)| f64::from(a) != b) {
+                let what = "vertices at one point have different values: the vertex";
+                return Err(WaveletError::Invalid { what, at: vertex });
+            }
+        }
+        for level in (1..=self.depth()).rev() {
+            self.predict(&mut nodes, width, level, -1.0);
+            self.update(&mut nodes, width, level, 1.0);
+        }
+        Ok(Coefficients::of(self, width, nodes))
+    }
+
+    /// Coefficients from elsewhere, `width` scalars a node, node by node: values for those of the base, coefficients
+    /// for all others.
+    ///
+    /// # Errors
+    /// Not `width` a node, a width of 0, one that is not finite.
+    pub fn coefficients(&self, nodes: Vec<f64>, width: usize) -> Result<Coefficients<'_>, WaveletError> {
+        check_length(nodes.len(), self.node_count(), width)?;
+        if let Some(at) = nodes.iter().position(|x| !x.is_finite()) {
+            let what = "a coefficient is not finite: of the node";
+            return Err(WaveletError::Invalid { what, at: at / width });
+        }
+        Ok(Coefficients::of(self, width, nodes))
+    }
+
+    /// Values of all nodes from their coefficients, in place.
+    fn restore(&self, nodes: &mut [f64], width: usize) {
+        for level in 1..=self.depth() {
+            self.update(nodes, width, level, -1.0);
+            self.predict(nodes, width, level, 1.0);
+        }
+    }
+
+    /// Adds the middles of their ends to the nodes of a level, or takes them away.
+    fn predict(&self, nodes: &mut [f64], width: usize, level: usize, sign: f64) {
+        let of_level = self.domain.nodes_of(level);
+        let (coarse, fine) = nodes.split_at_mut(of_level.start * width);
+        for (node, values) in of_level.zip(fine.chunks_exact_mut(width)) {
+            let [a, b] = self.domain.ends(node).map(|end| end * width);
+            for (i, value) in values.iter_mut().enumerate() {
+                *value += sign * (0.5 * (coarse[a + i] + coarse[b + i]));
+            }
+        }
+    }
+
+    /// Adds to coarser nodes what the wavelets of a level have been lifted by, or takes it away.
+    fn update(&self, nodes: &mut [f64], width: usize, level: usize, sign: f64) {
+        let Some(lifting) = &self.lifting else { return };
+        let of_level = self.domain.nodes_of(level);
+        let (coarse, fine) = nodes.split_at_mut(of_level.start * width);
+        for (node, values) in of_level.zip(fine.chunks_exact(width)) {
+            let (disk, weights) = lifting.disk(node - self.domain.base());
+            for (&to, weight) in disk.iter().zip(weights) {
+                let to = &mut coarse[to as usize * width..][..width];
+                to.iter_mut().zip(values).for_each(|(to, value)| *to += sign * weight * value);
+            }
+        }
+    }
+}
+
+/// Whether there are `width` numbers for each of `count`.
+fn check_length(found: usize, count: usize, width: usize) -> Result<(), WaveletError> {
+    match count.checked_mul(width) {
+        _ if width == 0 => Err(WaveletError::Invalid { what: "a function has no scalars", at: 0 }),
+        Some(expected) if expected == found => Ok(()),
+        expected => {
+            Err(WaveletError::Length { what: "values", found, expected: expected.unwrap_or(usize::MAX) })
+        }
+    }
+}
