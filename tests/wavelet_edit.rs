@@ -283,7 +283,7 @@ fn instances_of_an_edited_mesh_are_as_new_ones() {
                 let mut mesh = Arc::new(mesh.clone());
                 let mut lod = instance(&mesh, &drawing);
                 let mut own = instance(&mesh, &drawing);
-                if at % 3 == 0 {
+                if at.is_multiple_of(3) {
                     let limits = LodOptions::default().with_triangles(Some(60));
                     lod.set_options(limits);
                     own.set_options(limits);

@@ -6,8 +6,8 @@
 //!     .     .      below: what was before, and the bounds of the wavelets on the sides of a face, turned to the own axis
 //! ```
 //!
-//! What is found depends on coefficients and bounds alone, not on what was found before: bounds made anew one by one are the
-//! same as all made at once. Some levels below, errors are a small share of the whole, so that it does not matter much that
+//! What is found depends on nothing but what is in the support, so no bounds count of wavelets on its rim: bounds made anew one by
+//! one are the same as all made at once. Some levels below, errors are a small share of the whole, so that it does not matter much that
 //! bounds of bounds are wider.
 
 use std::cell::Cell;
@@ -135,7 +135,8 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
             // Between the corners errors are no larger than there, but for what finer wavelets add.
             let sides = of.sides_of_split(face);
             let so_far = errors.into_iter().fold([0.0; 2], |found, error| most(found, self.parts(error)));
-            let finer = sides.map(|side| self.most_of(side, None)).into_iter().fold([0.0; 2], most);
+            let inside = (0..3).filter(|&k| !rim[k]).map(|k| self.most_of(sides[k], None));
+            let finer = inside.fold([0.0; 2], most);
             let bound = add(so_far, finer);
             if !worth(bound) {
                 continue;
@@ -166,21 +167,25 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         let (grounds, of) = (self.grounds, self.grounds.of);
         let parts = |wavelet: u32| self.coefficient_parts(wavelet);
         let own = parts(self.wavelet);
-        let mut stack: Vec<(u32, Parts, u8)> = Vec::new();
-        grounds.support(self.wavelet, |face, _| stack.push((face, own, LOOK_AT_ANY)));
-        while let Some((face, so_far, look)) = stack.pop() {
+        let mut stack: Vec<(u32, Parts, [bool; 3], u8)> = Vec::new();
+        grounds.support(self.wavelet, |face, rim| stack.push((face, own, rim, LOOK_AT_ANY)));
+        while let Some((face, so_far, rim, look)) = stack.pop() {
             if of.is_split(face) {
                 let sides = of.sides_of_split(face);
                 let coefficients = sides.map(|side| grounds.coefficient(side));
                 let own = coefficients.map(|coefficient| self.parts(coefficient));
                 let sum = add(so_far, own.into_iter().fold([0.0; 2], most));
-                let finer = [0, 1, 2].map(|k| self.most_of(sides[k], Some(coefficients[k])));
+                // On the rim they reach out of the support.
+                let finer = [0, 1, 2].map(|k| match rim[k] {
+                    true => [f64::INFINITY; 2],
+                    false => self.most_of(sides[k], Some(coefficients[k])),
+                });
                 for i in 0..4 {
-                    // Each child is in the supports of two sides, or of all.
+                    // Each child is in the supports of two sides, or of all. One side at most is on the rim.
                     let j = (i + 2) % 3;
-                    let inside = match i {
-                        3 => finer.into_iter().fold(finer[0], least),
-                        i => least(finer[i], finer[j]),
+                    let (inside, rim) = match i {
+                        3 => (finer.into_iter().fold(finer[0], least), [false; 3]),
+                        i => (least(finer[i], finer[j]), [rim[i], false, rim[j]]),
                     };
                     let child = of.child(face, i);
                     if !of.is_split(child) && of.is_uniform() {
@@ -189,7 +194,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
                         if look == 0 {
                             found(add(sum, inside));
                         } else {
-                            stack.push((child, sum, look - 1));
+                            stack.push((child, sum, rim, look - 1));
                         }
                     }
                 }
