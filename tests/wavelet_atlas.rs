@@ -7,10 +7,10 @@ mod wavelet;
 use std::sync::Arc;
 
 use multires::adapt::{Geomorph, LevelOfDetail};
-use multires::mesh::{Mesh, names, shapes};
+use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::quality::{DistanceOptions, texture_deviation};
 use multires::wavelet::{
-    Atlas, AtlasOptions, ChartSize, DomainPoint, Drawing, Normals, Triangulation, WaveletBuilder,
+    Atlas, AtlasOptions, ChartSize, DomainPoint, Drawing, Face, Normals, Triangulation, WaveletBuilder,
     WaveletError, WaveletLod, WaveletMesh, WaveletOptions,
 };
 use wavelet::{bases, drawn_positions, hash, instance, patchy, positions, uniform, view};
@@ -81,6 +81,38 @@ fn places_on_the_base_are_halves_of_halves() {
         assert_eq!(of.domain_of(of.vertex_count() as u32).count(), 0);
         assert_eq!(of.domain_of_face(of.face_count() as u32), None);
     }
+}
+
+#[test]
+fn places_are_exact_as_deep_as_levels_go() {
+    let mut builder = WaveletBuilder::new(&shapes::tetrahedron()).unwrap();
+    let mut deeper = |shift: bool| {
+        let mut face = 0;
+        let first = |_: &Face| {
+            face += 1;
+            face == 2 || shift && face == 1
+        };
+        builder.subdivide_where(first, |midpoint| midpoint.middle).map(|_| ())
+    };
+    for level in 0..52 {
+        deeper(level == 0).unwrap();
+    }
+    assert_eq!(deeper(false), Err(WaveletError::TooMany { what: "levels", count: 53, limit: 52 }));
+    let mesh = builder.build(&WaveletOptions::default()).unwrap();
+    let of = mesh.subdivision();
+    for vertex in 0..of.vertex_count() as u32 {
+        let Some(ends) = of.ends(vertex) else { continue };
+        let ends = ends.map(|end| of.domain_of(end).collect::<Vec<_>>());
+        for point in of.domain_of(vertex) {
+            let there = |end: usize| ends[end].iter().filter(|e| e.base_face == point.base_face);
+            let halved =
+                |a: &DomainPoint| there(1).any(|b| middle(a.barycentric, b.barycentric) == point.barycentric);
+            assert!(there(0).any(halved));
+            assert_eq!(point.barycentric.iter().sum::<f64>(), 1.0);
+        }
+    }
+    let atlas = atlas(&mesh, 1, ChartSize::Equal);
+    assert_eq!(positions_of(&mesh.with_atlas(&atlas).unwrap()), positions_of(&mesh));
 }
 
 #[test]
@@ -372,6 +404,43 @@ fn textures_do_not_slide() {
         let slid = texture_deviation(&full, &level, &options).unwrap();
         assert!(slid.max < 1e-5, "{slid:?}");
     }
+}
+
+/// Where coordinates had seams inside base faces, these had to be split wherever they are in view; charts have none. Seams of other
+/// attributes stay.
+#[test]
+fn seams_inside_base_faces_go() {
+    let mesh = shapes::terrain(9, 3);
+    let count = mesh.positions().len() as u32;
+    let chart = |t: &[u32; 3]| u32::from(t.iter().map(|v| v % 9).sum::<u32>() > 7);
+    let corners: Vec<[u32; 3]> = mesh.triangles().iter().map(|t| t.map(|v| v + count * chart(t))).collect();
+    let positions = [mesh.positions(), mesh.positions()].concat();
+    for (name, torn) in [(names::UV, false), ("uv1", true)] {
+        let values: Vec<[f32; 2]> =
+            (0..2 * count).map(|v| [positions[v as usize][0], (v / count) as f32]).collect();
+        let torn_mesh = Mesh::new(positions.clone(), corners.clone()).unwrap();
+        let torn_mesh = torn_mesh.with_attribute(Attribute::floats(name, &values)).unwrap();
+        let found = WaveletMesh::recognise(&torn_mesh, &WaveletOptions::default()).unwrap();
+        assert!(found.subdivision().base_face_count() < 32);
+        let coarsest = |mesh: &WaveletMesh| {
+            mesh.at_tolerance(1e30, Triangulation::Exact, Normals::Kept).triangles().len()
+        };
+        assert!(coarsest(&found) > found.subdivision().base_face_count());
+        let worn = found.with_atlas(&atlas(&found, 1, ChartSize::Equal)).unwrap();
+        assert_eq!(coarsest(&worn) > worn.subdivision().base_face_count(), torn, "{name}");
+        assert_eq!(positions_of(&worn), positions_of(&found));
+        if torn {
+            let sides = worn.finest(Normals::Kept);
+            let values = sides.attribute(name).unwrap().as_floats().unwrap();
+            for t in sides.triangles() {
+                assert!(t.iter().all(|&v| values[2 * v as usize + 1] == values[2 * t[0] as usize + 1]));
+            }
+        }
+    }
+}
+
+fn positions_of(mesh: &WaveletMesh) -> Vec<[[f32; 3]; 3]> {
+    positions(&mesh.finest(Normals::Kept))
 }
 
 #[test]

@@ -70,6 +70,10 @@ fn meshes(seed: u64, options: &WaveletOptions) -> Vec<(String, WaveletMesh, Mesh
             all.push((format!("{name}, {kind}"), mesh, base.clone(), split));
         }
     }
+    // Deeper than errors are looked at one by one.
+    let (base, split) = (shapes::tetrahedron(), Split { levels: 9, patchy: true });
+    let rough = rough(seed, 0.25);
+    all.push(("deep".to_owned(), build(&base, split, options, |_, midpoint| rough(midpoint)), base, split));
     all
 }
 
@@ -279,7 +283,7 @@ fn instances_of_an_edited_mesh_are_as_new_ones() {
                 let mut mesh = Arc::new(mesh.clone());
                 let mut lod = instance(&mesh, &drawing);
                 let mut own = instance(&mesh, &drawing);
-                if at % 3 == 0 {
+                if at.is_multiple_of(3) {
                     let limits = LodOptions::default().with_triangles(Some(60));
                     lod.set_options(limits);
                     own.set_options(limits);

@@ -13,18 +13,17 @@
 //!
 //! Both are nested afterwards: a wavelet's bounds hold its children's, or the cut would not be closed.
 //!
-//! Nothing is summed over the whole mesh: the mean normal of a support is found along its rim (Stokes), and of the errors in it
-//! only those are looked at that could be the largest, by what is known of finer wavelets. So a wavelet's bounds cost about as
-//! much as its rim is long, and can be made anew one by one where something changed.
-
-use std::cell::Cell;
+//! Nothing is summed over the whole mesh: the mean normal of a support is found along its rim (Stokes), and errors in it are looked
+//! at for some levels, where they could be the largest; still finer wavelets count by their own bounds. So a wavelet's
+//! bounds cost no more than its rim is long, and can be made anew one by one where something changed.
 
 use glam::DVec3;
 
 use crate::mesh::NONE;
-use crate::view::{DeviationBounds, ErrorShape, Fit, angle_between};
+use crate::view::{DeviationBounds, ErrorShape, angle_between};
 
 use super::ErrorBound;
+use super::left_out::Search;
 use super::mesh::WaveletMesh;
 use super::subdivision::Subdivision;
 use super::surface::finest_triangles;
@@ -34,8 +33,6 @@ const ROOM: f64 = 4e-7;
 /// Radians by which a cone is wider than it need be.
 const WIDER: f64 = 1e-6;
 
-/// Share by which what is found to be no larger than something must be smaller, so that rounding cannot make it larger.
-const CAUTION: f64 = 1.0 + 1e-9;
 /// Where more than one in so many wavelets get new bounds, what they have in common is found for all of them first.
 const FEW: usize = 16;
 
@@ -62,13 +59,10 @@ impl WaveletBounds {
     }
 }
 
-/// Parts of an error along an axis and across it.
-type Parts = [f64; 2];
-
 /// The surface that bounds are of.
 pub(super) struct Grounds<'a> {
-    mesh: &'a WaveletMesh,
-    of: &'a Subdivision,
+    pub mesh: &'a WaveletMesh,
+    pub of: &'a Subdivision,
     /// Per wavelet twice the area between its edge at full resolution and the straight line from end to end; empty where that is
     /// found when needed.
     bends: Vec<DVec3>,
@@ -138,14 +132,14 @@ impl<'a> Grounds<'a> {
     }
 
     /// A wavelet's coefficient.
-    fn coefficient(&self, wavelet: u32) -> DVec3 {
+    pub fn coefficient(&self, wavelet: u32) -> DVec3 {
         let vertex = self.of.vertex_of(wavelet);
         self.mesh.coefficient(vertex).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
     /// The parts of a wavelet's support: three children of each face along its edge, or a face that is not split, and which of
     /// their sides are on the rim of the support.
-    fn support(&self, wavelet: u32, mut visit: impl FnMut(u32, [bool; 3])) {
+    pub fn support(&self, wavelet: u32, mut visit: impl FnMut(u32, [bool; 3])) {
         let of = self.of;
         for along in of.faces_along(wavelet) {
             let (face, k) = (along.face(), along.side());
@@ -226,169 +220,6 @@ impl<'a> Grounds<'a> {
         let DeviationBounds { radius, cone, along, across, .. } = bounds;
         WaveletBounds { radius, along, across, cone }
     }
-
-    /// The most that the wavelets on an edge and on its parts can move a point beside it.
-    fn beside(&self, wavelet: u32, parts: &impl Fn(u32) -> Parts) -> Parts {
-        if wavelet == NONE {
-            return [0.0; 2];
-        }
-        let [a, b] = self.of.halves(wavelet).map(|half| self.beside(half, parts));
-        add(parts(wavelet), most(a, b))
-    }
-}
-
-/// Looks for the largest errors of a wavelet.
-struct Search<'a, F> {
-    grounds: &'a Grounds<'a>,
-    wavelet: u32,
-    axis: Option<DVec3>,
-    finer: &'a F,
-}
-
-impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
-    /// Half-lengths of the smallest shape around them.
-    fn fit(&self) -> [f32; 2] {
-        let shape = self.grounds.mesh.options().shape;
-        let span = Cell::new([0.0; 2]);
-        self.run(
-            |[h, t]| h * CAUTION > span.get()[0] || t * CAUTION > span.get()[1],
-            |[h, t]| span.set(Fit::span(span.get(), (h, t))),
-        );
-        let fit = Cell::new(Fit::new(shape, span.get()));
-        self.run(
-            |[h, t]| fit.get().grows_by((h * CAUTION, t * CAUTION)),
-            |[h, t]| {
-                let mut with = fit.get();
-                with.add((h, t));
-                fit.set(with);
-            },
-        );
-        fit.get().sizes()
-    }
-
-    /// Visits errors, leaving out those that are no larger than what is not `worth` looking at.
-    fn run(&self, worth: impl Fn(Parts) -> bool, found: impl FnMut(Parts)) {
-        match self.grounds.mesh.options().bound {
-            ErrorBound::WithoutSiblings => self.all_left_out(worth, found),
-            ErrorBound::Conservative => self.any_left_out(worth, found),
-        }
-    }
-
-    fn parts(&self, error: DVec3) -> Parts {
-        match self.axis {
-            Some(axis) => [error.dot(axis).abs(), error.cross(axis).length()],
-            None => [error.length(), 0.0],
-        }
-    }
-
-    fn coefficient_parts(&self, wavelet: u32) -> Parts {
-        self.parts(self.grounds.coefficient(wavelet))
-    }
-
-    /// What the wavelets on a split face's sides and all finer ones in it can add up to, at most: from their bounds, which are
-    /// about other axes.
-    fn most_within(&self, face: u32) -> Parts {
-        let shape = self.grounds.mesh.options().shape;
-        self.grounds.of.sides_of_split(face).into_iter().fold([0.0; 2], |found, side| {
-            let bounds = (self.finer)(side).unpack([0.0; 3], shape);
-            let (along, across) = (f64::from(bounds.along.max(bounds.across)), f64::from(bounds.across));
-            let along = match shape {
-                ErrorShape::Spheroid => f64::from(bounds.along),
-                _ => along,
-            };
-            let parts = match (self.axis, bounds.axis()) {
-                (None, _) => [along + across, 0.0],
-                (_, None) => [along.max(across); 2],
-                (Some(axis), Some(other)) => {
-                    let other = DVec3::from_array(other);
-                    let (cosine, sine) = (axis.dot(other).abs(), axis.cross(other).length());
-                    [along * cosine + across * sine, along * sine + across]
-                }
-            };
-            most(found, parts)
-        })
-    }
-
-    /// Errors at the vertices inside the support where all wavelets of this level and finer ones are left out.
-    fn all_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
-        let (grounds, of) = (self.grounds, self.grounds.of);
-        found(self.coefficient_parts(self.wavelet));
-        let mut stack: Vec<(u32, [DVec3; 3], [bool; 3])> = Vec::new();
-        for along in of.faces_along(self.wavelet).filter(|along| of.is_split(along.face())) {
-            let (face, k) = (along.face(), along.side());
-            let middles = of.sides_of_split(face).map(|side| grounds.coefficient(side));
-            let (next, far) = ((k + 1) % 3, (k + 2) % 3);
-            let rim = |side: usize| [0, 1, 2].map(|s| s == side);
-            stack.push((of.child(face, k), [DVec3::ZERO, middles[k], middles[far]], rim(2)));
-            stack.push((of.child(face, next), [DVec3::ZERO, middles[next], middles[k]], rim(0)));
-            stack.push((of.child(face, 3), middles, rim(next)));
-        }
-        while let Some((face, errors, rim)) = stack.pop() {
-            if !of.is_split(face) {
-                continue;
-            }
-            // Between the corners errors are no larger than there, but for what finer wavelets add.
-            let so_far = errors.into_iter().fold([0.0; 2], |found, error| most(found, self.parts(error)));
-            if !worth(add(so_far, self.most_within(face))) {
-                continue;
-            }
-            let sides = of.sides_of_split(face);
-            let middles = [0, 1, 2].map(|k| {
-                let error = grounds.coefficient(sides[k]) + (errors[k] + errors[(k + 1) % 3]) * 0.5;
-                if !rim[k] {
-                    found(self.parts(error));
-                }
-                error
-            });
-            for i in 0..3 {
-                let j = (i + 2) % 3;
-                stack.push((of.child(face, i), [errors[i], middles[i], middles[j]], [rim[i], false, rim[j]]));
-            }
-            stack.push((of.child(face, 3), middles, [false; 3]));
-        }
-    }
-
-    /// For every face at full resolution in the support, the most that wavelets left out can move its points, along the axis and
-    /// across it.
-    fn any_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
-        let (grounds, of) = (self.grounds, self.grounds.of);
-        let parts = |wavelet: u32| self.coefficient_parts(wavelet);
-        let own = parts(self.wavelet);
-        let mut stack: Vec<(u32, Parts)> = Vec::new();
-        grounds.support(self.wavelet, |face, _| stack.push((face, own)));
-        while let Some((face, so_far)) = stack.pop() {
-            if of.is_split(face) {
-                if worth(add(so_far, self.most_within(face))) {
-                    let sum =
-                        add(so_far, of.sides_of_split(face).map(parts).into_iter().fold([0.0; 2], most));
-                    (0..4).for_each(|child| stack.push((of.child(face, child), sum)));
-                }
-                continue;
-            }
-            // Hats from deeper neighbours reach into it.
-            let mut beside = [0.0; 2];
-            if !of.is_uniform() {
-                for side in [0, 1, 2].map(|side| of.side(face, side).0) {
-                    beside = if side == self.wavelet {
-                        of.halves(side)
-                            .into_iter()
-                            .fold(beside, |b, half| most(b, grounds.beside(half, &parts)))
-                    } else {
-                        most(beside, grounds.beside(side, &parts))
-                    };
-                }
-            }
-            found(add(so_far, beside));
-        }
-    }
-}
-
-fn add([a, b]: Parts, [c, d]: Parts) -> Parts {
-    [a + c, b + d]
-}
-
-fn most([a, b]: Parts, [c, d]: Parts) -> Parts {
-    [a.max(c), b.max(d)]
 }
 
 /// Length that is added to radii, for a diagonal: a power of two, so that it seldom changes.

@@ -78,7 +78,7 @@ impl WaveletBuilder {
     /// Splits every face of the last level; `place` says where each new vertex goes.
     ///
     /// # Errors
-    /// Too many faces, or a place that is not finite.
+    /// Too many faces, more than 52 levels, or a place that is not finite.
     pub fn subdivide(&mut self, place: impl FnMut(&Midpoint) -> [f32; 3]) -> Result<&mut Self, WaveletError> {
         self.subdivide_where(|_| true, place)
     }
@@ -87,7 +87,7 @@ impl WaveletBuilder {
     /// they are put. Across seams of attributes faces are split together.
     ///
     /// # Errors
-    /// Too many faces, or a place that is not finite.
+    /// Too many faces, more than 52 levels, or a place that is not finite.
     pub fn subdivide_where(
         &mut self,
         mut split: impl FnMut(&Face) -> bool,

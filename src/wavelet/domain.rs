@@ -23,7 +23,7 @@ use super::subdivision::Side;
 pub struct DomainPoint {
     /// The base face.
     pub base_face: u32,
-    /// Weights of its three corners, which sum to 1. At vertices down to level 52 exact.
+    /// Weights of its three corners, which sum to 1. Those of vertices are exact.
     pub barycentric: [f64; 3],
 }
 

@@ -14,7 +14,7 @@
 //! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
 //! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
-//! | `bounds.rs` | what leaving a wavelet out can change |
+//! | `bounds.rs`, `left_out.rs` | what leaving a wavelet out can change |
 //! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
 //! | `truncate.rs` | the wavelets that change most, as many as fit |
 //! | `edit.rs` | moving vertices of a level, with all that is finer |
@@ -34,6 +34,7 @@ mod domain;
 mod edit;
 mod error;
 mod instance;
+mod left_out;
 mod mesh;
 mod options;
 mod parts;

@@ -19,11 +19,10 @@ use crate::mesh::NONE;
 
 /// Most faces of all levels: a face, its side and a direction fit 31 bits.
 pub(super) const MOST_FACES: usize = 1 << 28;
+/// Most levels: places on the base are exact in double precision, and nothing that goes along levels takes long.
+pub(super) const MOST_LEVELS: usize = 52;
 /// Most faces along one edge.
 pub(super) const MOST_ALONG: usize = 250;
-/// Most levels. Single precision tells the ends of an edge apart no longer than that, but right at the origin; and nothing that
-/// goes along levels takes long.
-pub(super) const MOST_LEVELS: usize = 64;
 /// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
 const SEAM: u32 = 1 << 31;
 

@@ -8,10 +8,13 @@ use multires::adapt::LodOptions;
 use multires::hierarchy::Dependencies;
 use multires::simplify::{Placement, metric};
 use multires::view::ErrorKind;
+use multires::wavelet::{ErrorBound, Triangulation, WaveletOptions};
 
 use crate::camera::Tolerances;
 use crate::renderer::Shading;
-use crate::scene::{BuildOptions, Builtin, LodSettings, Overlays, Source, Storage, StructureKind};
+use crate::scene::{
+    BuildOptions, Builtin, Coordinates, LodSettings, Overlays, Source, Storage, StructureKind,
+};
 
 /// Shows a model at the level of detail that the view asks for: in a window, or as pictures with --headless.
 ///
@@ -40,10 +43,19 @@ pub struct Arguments {
     /// How near cuts stay to what the simplifier saw.
     #[arg(long, value_name = "D", value_enum, default_value_t)]
     pub dependencies: Needs,
+    /// Which errors the bounds of wavelets hold.
+    #[arg(long, value_name = "B", value_enum, default_value_t)]
+    pub bound: Bound,
+    /// Texture coordinates of a wavelet mesh [default: atlas; own with --texture].
+    #[arg(long, value_name = "C", value_enum)]
+    pub coordinates: Option<Coordinates>,
 
     /// Where vertices are kept: all on the card once, or those in use for each instance.
     #[arg(long, value_name = "S", value_enum, default_value_t)]
     pub storage: Storage,
+    /// Which triangles of a wavelet mesh are drawn.
+    #[arg(long, value_name = "T", value_enum, default_value_t)]
+    pub triangulation: Triangles,
     /// Largest error on the picture, pixels.
     #[arg(long, value_name = "P", default_value_t = 1.0, value_parser = not_negative)]
     pub tolerance: f32,
@@ -72,7 +84,7 @@ pub struct Arguments {
     /// One normal a triangle.
     #[arg(long)]
     pub flat: bool,
-    /// A picture (.png) to paint the surface with, for --shading texture [default: a checker].
+    /// A picture (.png) to paint the surface with, for --shading texture [default: a checker; for wavelet meshes one by base face].
     #[arg(long, value_name = "PNG")]
     pub texture: Option<PathBuf>,
 
@@ -159,6 +171,44 @@ pub enum Needs {
     Neighbours,
 }
 
+/// Which errors the bounds of wavelets hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Bound {
+    /// All that can come about: proven.
+    #[default]
+    Conservative,
+    /// Those of leaving out all wavelets of a level and finer ones: fewer triangles.
+    WithoutSiblings,
+}
+
+/// Which triangles of a wavelet mesh are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Triangles {
+    /// The sum of the wavelets, exactly.
+    #[default]
+    Exact,
+    /// As few as there can be.
+    Minimal,
+}
+
+impl From<Bound> for ErrorBound {
+    fn from(bound: Bound) -> Self {
+        match bound {
+            Bound::Conservative => Self::Conservative,
+            Bound::WithoutSiblings => Self::WithoutSiblings,
+        }
+    }
+}
+
+impl From<Triangles> for Triangulation {
+    fn from(triangles: Triangles) -> Self {
+        match triangles {
+            Triangles::Exact => Self::Exact,
+            Triangles::Minimal => Self::Minimal,
+        }
+    }
+}
+
 impl From<Place> for Placement {
     fn from(place: Place) -> Self {
         match place {
@@ -191,17 +241,25 @@ impl Arguments {
 
     /// How to build it.
     pub fn build(&self) -> BuildOptions {
+        // A picture that is brought along is one for the coordinates that the mesh has.
+        let coordinates = if self.texture.is_some() { Coordinates::Own } else { Coordinates::Atlas };
         BuildOptions::default()
             .with_structure(self.structure)
             .with_metric(&self.metric)
             .with_placement(self.placement.into())
             .with_dependencies(self.dependencies.into())
+            .with_wavelets(WaveletOptions::default().with_bound(self.bound.into()))
+            .with_coordinates(self.coordinates.unwrap_or(coordinates))
     }
 
     /// How it follows the view.
     pub fn settings(&self) -> LodSettings {
         let limits = LodOptions::default().with_triangles(self.budget).with_operations(self.operations);
-        LodSettings::default().with_storage(self.storage).with_limits(limits).with_geomorph(self.geomorph)
+        LodSettings::default()
+            .with_storage(self.storage)
+            .with_limits(limits)
+            .with_geomorph(self.geomorph)
+            .with_triangulation(self.triangulation.into())
     }
 
     /// How large errors may be.

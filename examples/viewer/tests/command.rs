@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use card::open;
 use multires::io;
 use multires::mesh::shapes;
+use multires::wavelet::{WaveletMesh, WaveletOptions};
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_multires-viewer"));
@@ -85,12 +86,33 @@ fn every_structure_and_scene_is_drawn() {
     let Some(_) = open("every_structure_and_scene_is_drawn") else { return };
     let folder = Folder::new("scenes");
     let out = folder.file("out");
-    let runs: [&[&str]; 5] = [
+    let baked = folder.file("rock.mres");
+    let rock = WaveletMesh::recognise(&shapes::rock(1_280, 1), &WaveletOptions::default()).unwrap();
+    io::write_baked(&baked, WaveletMesh::KIND, &rock).unwrap();
+    let runs: [&[&str]; 8] = [
         &["--scene", "terrain", "--triangles", "5000", "--storage", "compact"],
         &["--scene", "rocks", "--triangles", "500", "--geomorph", "0.2"],
         &["--scene", "rocks", "--triangles", "500", "--structure", "tom"],
         &["--scene", "demo", "--dependencies", "adjacent", "--budget", "5000"],
         &["--scene", "demo", "--placement", "midpoint", "--silhouette", "0.5", "--parametric"],
+        &["--scene", "terrain", "--triangles", "5000", "--structure", "wavelet", "--shading", "texture"],
+        &[
+            "--scene",
+            "rocks",
+            "--triangles",
+            "500",
+            "--structure",
+            "wavelet",
+            "--storage",
+            "compact",
+            "--triangulation",
+            "minimal",
+            "--bound",
+            "without-siblings",
+            "--shading",
+            "error",
+        ],
+        &[&baked, "--shading", "level", "--coordinates", "own"],
     ];
     for arguments in runs {
         let common = ["--headless", "--size", "200x150", "--tolerance", "2", "--out", &out];
@@ -143,6 +165,9 @@ fn what_is_wrong_is_said_in_one_line() {
     if open("what_is_wrong_is_said_in_one_line").is_some() {
         wrong(&[&bad, "--headless"], &[], 1, "bad.obj");
         wrong(&[&none, "--headless"], &[], 1, "none.ply");
+        let odd = folder.file("odd.ply");
+        io::write(&odd, &shapes::rock(500, 1)).unwrap();
+        wrong(&[&odd, "--headless", "--structure", "wavelet"], &[], 1, "a vertex hierarchy takes any mesh");
         wrong(&["--headless", "--path", &short, "--frames", "3"], &[], 1, "no frame 3");
         wrong(&["--headless", "--texture", &none], &[], 1, "none.ply");
     }

@@ -11,6 +11,7 @@ use multires::hierarchy::Dependencies;
 use multires::mesh::{Mesh, shapes};
 use multires::quality::{RenderOptions, Shading};
 use multires::simplify::Placement;
+use multires::wavelet::Triangulation;
 use multires_viewer::camera::{Lens, Orbit, Tolerances};
 use multires_viewer::gpu::Gpu;
 use multires_viewer::headless::{STEP, Stage};
@@ -119,4 +120,22 @@ fn a_totally_ordered_mesh_looks_like_its_slices() {
     let Some(gpu) = open("a_totally_ordered_mesh_looks_like_its_slices") else { return };
     let options = BuildOptions::default().with_structure(StructureKind::Tom);
     compare(&gpu, "tom", &model(&shapes::demo(), &options), LodSettings::default(), false);
+}
+
+#[test]
+fn a_wavelet_mesh_looks_like_its_slices() {
+    let Some(gpu) = open("a_wavelet_mesh_looks_like_its_slices") else { return };
+    let options = BuildOptions::default().with_structure(StructureKind::Wavelet);
+    let rock = model(&shapes::rock(20_480, 5), &options);
+    compare(&gpu, "wavelet", &rock, LodSettings::default(), false);
+    compare(&gpu, "wavelet, flat", &rock, LodSettings::default(), true);
+    let compact = LodSettings::default().with_storage(Storage::Compact);
+    compare(&gpu, "wavelet, compact", &rock, compact, false);
+    let minimal = compact.with_triangulation(Triangulation::Minimal);
+    compare(&gpu, "wavelet, compact, minimal", &rock, minimal, false);
+    for settings in [LodSettings::default(), minimal] {
+        compare(&gpu, "wavelet, moving", &rock, settings.with_geomorph(Some(0.1)), false);
+    }
+    let terrain = model(&shapes::terrain(129, 3), &options);
+    compare(&gpu, "wavelet terrain", &terrain, LodSettings::default(), false);
 }

@@ -6,6 +6,7 @@ mod card;
 use card::{model, open, read_back};
 use multires::mesh::shapes;
 use multires::view::View;
+use multires::wavelet::Triangulation;
 use multires_viewer::camera::{Lens, Orbit, Pose, Tolerances};
 use multires_viewer::gpu::Gpu;
 use multires_viewer::renderer::{LodBuffers, TRIANGLE, Uploaded, Uploads, Values, Vertex};
@@ -96,20 +97,30 @@ impl Flight {
 fn a_hundred_steady_frames_upload_dirty_ranges_alone() {
     let Some(gpu) = open("a_hundred_steady_frames_upload_dirty_ranges_alone") else { return };
     let rock = model(&shapes::rock(40_000, 3), &BuildOptions::default());
+    let wavelets = BuildOptions::default().with_structure(StructureKind::Wavelet);
+    let wavelets = model(&shapes::rock(81_920, 3), &wavelets);
+    let settings = LodSettings::default();
+    let compact = settings.with_storage(Storage::Compact);
+    let minimal = compact.with_triangulation(Triangulation::Minimal);
     let kinds = [
-        ("static", LodSettings::default()),
-        ("compact", LodSettings::default().with_storage(Storage::Compact)),
-        ("moving", LodSettings::default().with_geomorph(Some(0.2))),
-        ("moving, compact", LodSettings::default().with_storage(Storage::Compact).with_geomorph(Some(0.2))),
+        ("static", &rock, settings),
+        ("compact", &rock, compact),
+        ("moving", &rock, settings.with_geomorph(Some(0.2))),
+        ("moving, compact", &rock, compact.with_geomorph(Some(0.2))),
+        ("wavelets", &wavelets, settings),
+        ("wavelets, compact", &wavelets, compact),
+        ("wavelets, compact, minimal", &wavelets, minimal),
+        ("wavelets, moving", &wavelets, settings.with_geomorph(Some(0.2))),
+        ("wavelets, moving, compact", &wavelets, compact.with_geomorph(Some(0.2))),
     ];
-    for (what, settings) in kinds {
-        let mut flight = Flight::new(&gpu, &rock, &settings);
+    for (what, rock, settings) in kinds {
+        let mut flight = Flight::new(&gpu, rock, &settings);
         for frame in 0..80 {
-            flight.frame(&pose(&rock, frame));
+            flight.frame(&pose(rock, frame));
         }
         let (mut written, mut held) = (0, 0);
         for frame in 80..180 {
-            let uploaded = flight.frame(&pose(&rock, frame));
+            let uploaded = flight.frame(&pose(rock, frame));
             written += uploaded.indices;
             held += flight.buffers.groups().map(|(_, n)| u64::from(n) * TRIANGLE).sum::<u64>();
             assert_eq!(uploaded.grown, 0, "{what}: a buffer grew in frame {frame}");
@@ -119,7 +130,7 @@ fn a_hundred_steady_frames_upload_dirty_ranges_alone() {
         flight.check();
 
         // From the same place nothing changes; vertices may still be on their way for a while.
-        let still = pose(&rock, 179);
+        let still = pose(rock, 179);
         for _ in 0..60 {
             flight.frame(&still);
         }
@@ -132,8 +143,11 @@ fn a_hundred_steady_frames_upload_dirty_ranges_alone() {
 #[test]
 fn buffers_that_grow_hold_what_they_held() {
     let Some(gpu) = open("buffers_that_grow_hold_what_they_held") else { return };
-    for structure in [StructureKind::Hierarchy, StructureKind::Tom] {
-        let demo = model(&shapes::demo(), &BuildOptions::default().with_structure(structure));
+    let (demo, rock) = (shapes::demo(), shapes::rock(81_920, 3));
+    let structures =
+        [(StructureKind::Hierarchy, &demo), (StructureKind::Tom, &demo), (StructureKind::Wavelet, &rock)];
+    for (structure, mesh) in structures {
+        let demo = model(mesh, &BuildOptions::default().with_structure(structure));
         for storage in [Storage::Static, Storage::Compact] {
             let mut flight = Flight::new(&gpu, &demo, &LodSettings::default().with_storage(storage));
             let mut grown = 0;

@@ -60,7 +60,7 @@ fn windows_open_and_close() {
             return;
         }
     };
-    let runs: [&[&str]; 6] = [
+    let runs: [&[&str]; 7] = [
         &["--scene", "rocks", "--triangles", "500"],
         &["--scene", "rocks", "--triangles", "500", "--beside", "difference", "--size", "900x300"],
         &["--scene", "terrain", "--triangles", "2000", "--beside", "full", "--size", "240x180", "--wire"],
@@ -77,6 +77,7 @@ fn windows_open_and_close() {
             "0.1",
         ],
         &["--scene", "demo", "--structure", "tom", "--shading", "dirty"],
+        &["--scene", "terrain", "--triangles", "2000", "--structure", "wavelet", "--shading", "texture"],
         &["no-such-file.ply"],
     ];
     for arguments in runs {

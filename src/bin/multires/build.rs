@@ -274,8 +274,8 @@ impl Build {
 }
 
 /// What to do with a mesh that is no subdivision.
-const WAY_OUT: &str =
-    "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint)";
+const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint), \
+                       or --drop materials whose borders are in the way";
 
 /// Components that are listed for people; more are counted.
 const LISTED: usize = 12;

@@ -53,11 +53,13 @@ impl Stage {
         samples: u32,
     ) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, samples);
-        let (side, checker) = Paint::checker();
         let mut uploads = Uploads::default();
+        let (side, picture) = model.picture();
+        let paint = renderer.paint(&gpu.device, &gpu.queue, side, &picture);
+        drop(picture);
         Self {
             eye: renderer.eye(&gpu.device),
-            paint: renderer.paint(&gpu.device, &gpu.queue, [side; 2], &checker),
+            paint,
             target: Target::new(&gpu.device, size, samples),
             scene: Scene::new(&gpu.device, &mut uploads, model, places, settings),
             renderer,
@@ -66,7 +68,7 @@ impl Stage {
         }
     }
 
-    /// Paints surfaces with a picture instead of the checker.
+    /// Paints surfaces with a picture instead of the model's.
     pub fn set_paint(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
         self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, pixels);
     }

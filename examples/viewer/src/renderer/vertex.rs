@@ -36,6 +36,11 @@ impl Blend for Vertex {
         let [a, b]: [[f32; 10]; 2] = [bytemuck::cast(*self), bytemuck::cast(*other)];
         bytemuck::cast(a.blend(&b, t))
     }
+
+    fn moved(&self, from: &Self, to: &Self, t: f32) -> Self {
+        let [own, a, b]: [[f32; 10]; 3] = [*self, *from, *to].map(|vertex| bytemuck::cast(vertex));
+        bytemuck::cast(own.moved(&a, &b, t))
+    }
 }
 
 /// Where an object is drawn and in which colour: 64 bytes, one for each group of triangles of each object. Draws pick theirs by

@@ -2,6 +2,8 @@
 
 use multires::mesh::{Mesh, shapes};
 
+use super::model::StructureKind;
+
 /// A built-in scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Builtin {
@@ -17,15 +19,26 @@ pub enum Builtin {
 const FIELD: usize = 17;
 
 impl Builtin {
-    /// Its mesh, with about so many triangles where that can be chosen.
-    pub fn mesh(self, triangles: Option<u32>) -> Mesh {
+    /// Its mesh, with about so many triangles where that can be chosen: for wavelets the nearest number for which coarse faces
+    /// can be split in four again and again.
+    pub fn mesh(self, triangles: Option<u32>, structure: StructureKind) -> Mesh {
+        let edges = |of: u32, count: f64| {
+            let edges = (f64::from(of) / count).sqrt();
+            if structure == StructureKind::Wavelet { edges.max(1.0).log2().round().exp2() } else { edges }
+        };
         match self {
             Self::Demo => shapes::demo(),
             Self::Terrain => {
-                let cells = (f64::from(triangles.unwrap_or(500_000)) / 2.0).sqrt().round() as u32;
+                let cells = edges(triangles.unwrap_or(500_000), 2.0).round() as u32;
                 shapes::terrain(cells.saturating_add(1), 7)
             }
-            Self::Rocks => shapes::rock(triangles.unwrap_or(20_000), 3),
+            Self::Rocks => {
+                let triangles = triangles.unwrap_or(20_000);
+                match structure {
+                    StructureKind::Wavelet => shapes::rock((20.0 * edges(triangles, 20.0).powi(2)) as u32, 3),
+                    _ => shapes::rock(triangles, 3),
+                }
+            }
         }
     }
 

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use multires::adapt::{Geomorph, LevelOfDetail, LodOptions};
 use multires::hierarchy::{HierarchyLod, MorphedLod, VertexHierarchy};
-use multires::view::{Answer, Bounds, Criterion, Motion};
+use multires::view::{Answer, Criterion, Motion};
+use multires::wavelet::Triangulation;
 
 use crate::renderer::{Drawn, Values, Vertex};
 
@@ -30,6 +31,8 @@ pub struct LodSettings {
     pub limits: LodOptions,
     /// Seconds in which vertices move to their places; default none: they jump.
     pub geomorph: Option<f32>,
+    /// Which triangles of a wavelet mesh; default the sum of its wavelets, exactly.
+    pub triangulation: Triangulation,
 }
 
 impl LodSettings {
@@ -53,6 +56,13 @@ impl LodSettings {
         self.geomorph = seconds;
         self
     }
+
+    /// With these triangles of a wavelet mesh.
+    #[must_use]
+    pub fn with_triangulation(mut self, triangulation: Triangulation) -> Self {
+        self.triangulation = triangulation;
+        self
+    }
 }
 
 /// A level of detail that can be drawn, and told how to follow the view.
@@ -71,10 +81,10 @@ pub trait Instance: Drawn {
 }
 
 /// Needs everything, from everywhere.
-struct Everything;
+pub(super) struct Everything;
 
-impl Criterion for Everything {
-    fn needs(&self, _: &Bounds) -> Answer {
+impl<B> Criterion<B> for Everything {
+    fn needs(&self, _: &B) -> Answer {
         Answer::ALWAYS
     }
 

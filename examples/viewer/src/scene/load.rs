@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use multires::mesh::Mesh;
 
 use super::Builtin;
-use super::model::{BuildOptions, Model, ModelError};
+use super::model::{BuildOptions, Model, ModelError, StructureKind};
 
 /// Where a model comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,14 +41,14 @@ impl Source {
         }
     }
 
-    fn mesh(&self) -> Result<Mesh, ModelError> {
+    fn mesh(&self, structure: StructureKind) -> Result<Mesh, ModelError> {
         match self {
             Self::File(path) => Model::read_mesh(path),
-            Self::Builtin(builtin, triangles) => Ok(builtin.mesh(*triangles)),
+            Self::Builtin(builtin, triangles) => Ok(builtin.mesh(*triangles, structure)),
         }
     }
 
-    /// Reads and builds. A baked file is what it is, whatever the options.
+    /// Reads and builds. A baked file is what it is, whatever the options but for texture coordinates.
     ///
     /// # Errors
     /// Everything that [`Model`] may refuse.
@@ -58,9 +58,9 @@ impl Source {
         progress: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Model, ModelError> {
         match self {
-            Self::File(path) if Model::is_baked(path) => Model::read_baked(path),
+            Self::File(path) if Model::is_baked(path) => Model::read_baked(path, options.coordinates),
             _ => {
-                let mesh = self.mesh()?;
+                let mesh = self.mesh(options.structure)?;
                 if progress(0.0).is_break() {
                     return Err(ModelError::Cancelled);
                 }

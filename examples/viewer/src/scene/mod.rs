@@ -5,6 +5,8 @@
 //! | `mod.rs` | [`Scene`]: objects that adapt, upload and draw together |
 //! | `model.rs` | [`Model`]: a structure and its vertices |
 //! | `instance.rs` | [`Instance`]: levels of detail with the values of their vertices |
+//! | `wavelet_instance.rs` | [`WaveletInstance`]: an instance of a wavelet mesh |
+//! | `texture.rs` | [`Texture`]: a wavelet mesh's own, by its base |
 //! | `tom_lod.rs` | [`TomLod`]: a totally ordered mesh under the same trait |
 //! | `builtin.rs` | [`Builtin`]: scenes that need no file |
 //! | `load.rs` | [`Loading`]: models that are built in a thread of their own |
@@ -13,13 +15,17 @@ mod builtin;
 mod instance;
 mod load;
 mod model;
+mod texture;
 mod tom_lod;
+mod wavelet_instance;
 
 pub use builtin::Builtin;
 pub use instance::{HierarchyInstance, Instance, LodSettings, Storage};
 pub use load::{Loading, Source};
-pub use model::{BuildOptions, Model, ModelError, Progress, StructureKind};
+pub use model::{BuildOptions, Coordinates, Model, ModelError, Progress, StructureKind};
+pub use texture::Texture;
 pub use tom_lod::TomLod;
+pub use wavelet_instance::WaveletInstance;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -111,7 +117,7 @@ impl Scene {
         settings: LodSettings,
         instances: Vec<Box<dyn Instance>>,
     ) -> Self {
-        let shared = shared_vertices(device, uploads, model.vertices());
+        let shared = shared_vertices(device, uploads, model.shared_vertices());
         let objects: Vec<Object> = instances
             .into_iter()
             .zip(places)

@@ -1,20 +1,26 @@
 //! A model that can be drawn at any level of detail: a structure, and its vertices as the card reads them.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
+use multires::adapt::{LevelOfDetail, Refinements};
 use multires::hierarchy::{Dependencies, HierarchyError, HierarchyMesh, HierarchyParts};
 use multires::io::{self, BakeError, ReadError, ReadOptions, SceneOrigin};
 use multires::mesh::{MAX_ELEMENTS, Mesh, Topology, names};
 use multires::simplify::metric;
 use multires::simplify::{OptionError, Placement, Simplifier, StopReason};
 use multires::tom::{TomError, TomMesh, TomSteps};
+use multires::view::Motion;
+use multires::wavelet::{Drawing, ErrorBound, WaveletError, WaveletLod, WaveletMesh, WaveletOptions};
 
-use super::instance::{HierarchyInstance, Instance, LodSettings};
+use super::instance::{Everything, HierarchyInstance, Instance, LodSettings};
+use super::texture::{self, Texture};
 use super::tom_lod::TomLod;
-use crate::renderer::Vertex;
+use super::wavelet_instance::WaveletInstance;
+use crate::renderer::{Paint, Vertex};
 
 /// Why there is no model.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +33,7 @@ pub enum ModelError {
     #[error(transparent)]
     Baked(#[from] BakeError),
     /// A baked file of something that is not drawn here.
-    #[error("a baked file of kind {kind:?}; hierarchy and tom can be drawn")]
+    #[error("a baked file of kind {kind:?}; hierarchy, tom and wavelet can be drawn")]
     Kind {
         /// What it says it is.
         kind: String,
@@ -41,6 +47,12 @@ pub enum ModelError {
     /// No totally ordered mesh could be built.
     #[error(transparent)]
     Tom(#[from] TomError),
+    /// No wavelet mesh could be built.
+    #[error(transparent)]
+    Wavelet(WaveletError),
+    /// The mesh has no subdivision connectivity, which wavelets need.
+    #[error("{0}; a vertex hierarchy takes any mesh (--structure hierarchy)")]
+    NoConnectivity(WaveletError),
     /// There is nothing to draw.
     #[error("there are no triangles")]
     NoTriangles,
@@ -58,6 +70,15 @@ pub enum ModelError {
     Lost,
 }
 
+impl From<WaveletError> for ModelError {
+    fn from(error: WaveletError) -> Self {
+        match error {
+            WaveletError::NoConnectivity { .. } => Self::NoConnectivity(error),
+            _ => Self::Wavelet(error),
+        }
+    }
+}
+
 /// Which structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum StructureKind {
@@ -66,6 +87,18 @@ pub enum StructureKind {
     Hierarchy,
     /// A totally ordered mesh: one resolution for all of the model, by its nearest point.
     Tom,
+    /// A wavelet mesh: fine where a view needs it, of a mesh that is a four-to-one subdivision of a coarser one.
+    Wavelet,
+}
+
+/// Which texture coordinates a wavelet mesh has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Coordinates {
+    /// Those of an atlas of its base faces, with a texture that shows them.
+    #[default]
+    Atlas,
+    /// Its own.
+    Own,
 }
 
 /// How to build.
@@ -80,6 +113,10 @@ pub struct BuildOptions {
     pub placement: Placement,
     /// How near cuts of a hierarchy stay to what the simplifier saw; default none.
     pub dependencies: Dependencies,
+    /// Which errors the bounds of wavelets hold, and the shape around them.
+    pub wavelets: WaveletOptions,
+    /// Which texture coordinates a wavelet mesh has; default those of an atlas.
+    pub coordinates: Coordinates,
 }
 
 impl Default for BuildOptions {
@@ -89,6 +126,8 @@ impl Default for BuildOptions {
             metric: "quadric".to_owned(),
             placement: Placement::Endpoint,
             dependencies: Dependencies::None,
+            wavelets: WaveletOptions::default(),
+            coordinates: Coordinates::default(),
         }
     }
 }
@@ -121,11 +160,26 @@ impl BuildOptions {
         self.dependencies = dependencies;
         self
     }
+
+    /// With these bounds of wavelets.
+    #[must_use]
+    pub fn with_wavelets(mut self, wavelets: WaveletOptions) -> Self {
+        self.wavelets = wavelets;
+        self
+    }
+
+    /// With these texture coordinates of a wavelet mesh.
+    #[must_use]
+    pub fn with_coordinates(mut self, coordinates: Coordinates) -> Self {
+        self.coordinates = coordinates;
+        self
+    }
 }
 
 enum Structure {
     Hierarchy(HierarchyMesh),
     Tom(Arc<TomSteps>),
+    Wavelet(Arc<WaveletMesh>),
 }
 
 /// A structure and its vertices. Immutable; instances share it.
@@ -136,6 +190,7 @@ pub struct Model {
     materials: Vec<u32>,
     triangles: usize,
     has_uv: bool,
+    texture: Option<Texture>,
 }
 
 /// Told how far a build is, 0 to 1; says whether to go on.
@@ -156,15 +211,16 @@ impl Model {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mres"))
     }
 
-    /// Reads a baked file.
+    /// Reads a baked file; a wavelet mesh with those texture coordinates.
     ///
     /// # Errors
     /// The file cannot be read, or holds something else.
-    pub fn read_baked(path: &Path) -> Result<Self, ModelError> {
+    pub fn read_baked(path: &Path, coordinates: Coordinates) -> Result<Self, ModelError> {
         let bytes = std::fs::read(path).map_err(|source| BakeError::Io { path: path.to_owned(), source })?;
         match io::baked_kind(&bytes)?.as_str() {
             HierarchyMesh::KIND => Self::of_hierarchy(io::unbake(HierarchyMesh::KIND, &bytes)?),
             TomMesh::KIND => Self::of_tom(io::unbake(TomMesh::KIND, &bytes)?),
+            WaveletMesh::KIND => Self::of_wavelet(io::unbake(WaveletMesh::KIND, &bytes)?, coordinates),
             kind => Err(ModelError::Kind { kind: kind.to_owned() }),
         }
     }
@@ -172,16 +228,25 @@ impl Model {
     /// Builds a structure from a mesh.
     ///
     /// # Errors
-    /// An option that makes no sense, a mesh without triangles, or `progress` said to stop.
+    /// An option that makes no sense, a mesh without triangles or without the connectivity that wavelets need, or `progress` said
+    /// to stop.
     pub fn build(mesh: &Mesh, options: &BuildOptions, progress: Progress<'_>) -> Result<Self, ModelError> {
         if mesh.triangles().is_empty() {
             return Err(ModelError::NoTriangles);
         }
+        if options.structure == StructureKind::Wavelet {
+            // Bounds take most of the time, and nobody counts their steps.
+            let found = WaveletMesh::recognise(mesh, &options.wavelets)?;
+            if progress(0.75).is_break() {
+                return Err(ModelError::Cancelled);
+            }
+            return Self::of_wavelet(found, options.coordinates);
+        }
         let metric = metric::by_name(&options.metric)
             .ok_or_else(|| ModelError::NoMetric { name: options.metric.clone() })?;
         let placement = match options.structure {
-            StructureKind::Hierarchy => options.placement,
             StructureKind::Tom => Placement::Endpoint,
+            _ => options.placement,
         };
         // What comes after the simplification takes about a quarter of the time.
         let sequence = Simplifier::new()
@@ -192,10 +257,8 @@ impl Model {
             return Err(ModelError::Cancelled);
         }
         match options.structure {
-            StructureKind::Hierarchy => {
-                Self::of_hierarchy(HierarchyMesh::new(mesh, &sequence, options.dependencies)?)
-            }
             StructureKind::Tom => Self::of_tom(TomMesh::new(mesh, &sequence)?),
+            _ => Self::of_hierarchy(HierarchyMesh::new(mesh, &sequence, options.dependencies)?),
         }
     }
 
@@ -247,6 +310,36 @@ impl Model {
         Self::new(Structure::Tom(Arc::new(steps)), made, &triangles, materials)
     }
 
+    fn of_wavelet(mesh: WaveletMesh, coordinates: Coordinates) -> Result<Self, ModelError> {
+        let worn = match coordinates {
+            Coordinates::Atlas => texture::by_base(&mesh),
+            Coordinates::Own => None,
+        };
+        let (mesh, texture) = worn.map_or((mesh, None), |(mesh, texture)| (mesh, Some(texture)));
+        let mesh = Arc::new(mesh);
+        let places: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
+        let mut full =
+            WaveletLod::new(Arc::clone(&mesh), places, &Drawing::default()).map_err(WaveletError::from)?;
+        full.adapt_by(&Everything, Motion::Other, f32::INFINITY);
+        let triangles: Vec<[u32; 3]> =
+            (0..full.groups()).flat_map(|group| full.triangles(group)).copied().collect();
+
+        let mut made = vertices(mesh.vertices());
+        if !has_normals(mesh.vertices()) {
+            smooth(&mut made, &triangles);
+        }
+        let of = mesh.subdivision();
+        for (i, vertex) in (0_u32..).zip(&mut made) {
+            let Some(wavelet) = of.wavelet_of(i) else { continue };
+            let bounds = mesh.bounds(wavelet);
+            vertex.level = of.level_of(wavelet) as f32 / of.depth() as f32;
+            vertex.error = bounds.along.max(bounds.across);
+        }
+        let materials = mesh.materials().to_vec();
+        let model = Self::new(Structure::Wavelet(mesh), made, &triangles, materials)?;
+        Ok(Self { texture, ..model })
+    }
+
     fn new(
         structure: Structure,
         vertices: Vec<Vertex>,
@@ -267,12 +360,38 @@ impl Model {
             triangles: triangles.len(),
             has_uv: vertices.iter().any(|v| v.uv != [0.0; 2]),
             vertices: vertices.into(),
+            texture: None,
         })
     }
 
     /// Its vertices, in the structure's order.
     pub fn vertices(&self) -> &Arc<[Vertex]> {
         &self.vertices
+    }
+
+    /// Those of them that instances share on the card: none where each draws values of its own.
+    pub fn shared_vertices(&self) -> &[Vertex] {
+        match &self.structure {
+            Structure::Wavelet(_) => &[],
+            _ => &self.vertices,
+        }
+    }
+
+    /// What surfaces are painted with unless somebody says otherwise: the size of a picture, and its pixels row by row. A wavelet
+    /// mesh's by its base, else a checker.
+    pub fn picture(&self) -> ([u32; 2], Cow<'_, [[u8; 4]]>) {
+        match &self.texture {
+            Some(Texture { size, pixels }) => (*size, Cow::Borrowed(pixels)),
+            None => {
+                let (side, checker) = Paint::checker();
+                ([side; 2], Cow::Owned(checker))
+            }
+        }
+    }
+
+    /// The texture by its base, where it has one.
+    pub fn texture(&self) -> Option<&Texture> {
+        self.texture.as_ref()
     }
 
     /// Smallest and largest corner of the box around its full resolution, object units.
@@ -304,12 +423,24 @@ impl Model {
                 _ => "vertex hierarchy",
             },
             Structure::Tom(_) => "totally ordered mesh",
+            Structure::Wavelet(mesh) => match mesh.options().bound {
+                ErrorBound::WithoutSiblings => "wavelet mesh, bounds without siblings",
+                _ => "wavelet mesh",
+            },
         }
     }
 
-    /// Whether instances may be compact, geomorphed and limited: what only a hierarchy's can be.
+    /// The wavelet mesh, where it is one.
+    pub fn wavelets(&self) -> Option<&Arc<WaveletMesh>> {
+        match &self.structure {
+            Structure::Wavelet(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// Whether instances may be compact, geomorphed and limited: not those of a totally ordered mesh.
     pub fn is_selective(&self) -> bool {
-        matches!(self.structure, Structure::Hierarchy(_))
+        !matches!(self.structure, Structure::Tom(_))
     }
 
     /// An instance that follows a view.
@@ -319,6 +450,10 @@ impl Model {
                 Box::new(HierarchyInstance::new(mesh.hierarchy(), &self.vertices, settings))
             }
             Structure::Tom(steps) => Box::new(TomLod::new(Arc::clone(steps), self.bounds)),
+            Structure::Wavelet(mesh) => Box::new(
+                WaveletInstance::new(mesh, &self.vertices, settings)
+                    .expect("a model has as many vertices as its wavelet mesh"),
+            ),
         }
     }
 

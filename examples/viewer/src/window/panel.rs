@@ -4,13 +4,14 @@ use egui::{Align2, Color32, ComboBox, FontId, RichText, ScrollArea, Sense, Slide
 use multires::hierarchy::Dependencies;
 use multires::simplify::{Placement, metric};
 use multires::view::ErrorKind;
+use multires::wavelet::{ErrorBound, Triangulation};
 
 use super::graphs::short;
 use super::hands::Hands;
 use super::viewer::Viewer;
 use crate::arguments::Layout;
 use crate::renderer::Shading;
-use crate::scene::{Builtin, Source, Storage, StructureKind};
+use crate::scene::{Builtin, Coordinates, Source, Storage, StructureKind};
 
 /// Width of the panel, points, and of windows that are too narrow for it to be open at first.
 const WIDTH: f32 = 310.0;
@@ -200,13 +201,35 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
             ui,
             "Structure",
             &mut build.structure,
-            &[(StructureKind::Hierarchy, "vertex hierarchy"), (StructureKind::Tom, "totally ordered")],
+            &[
+                (StructureKind::Hierarchy, "vertex hierarchy"),
+                (StructureKind::Tom, "totally ordered"),
+                (StructureKind::Wavelet, "wavelet mesh"),
+            ],
         );
-        let mut chosen = metric::NAMES.iter().position(|name| *name == build.metric).unwrap_or(0);
-        let names: Vec<(usize, &str)> = metric::NAMES.into_iter().enumerate().collect();
-        choice(ui, "Metric", &mut chosen, &names);
-        if let Some(name) = metric::NAMES.get(chosen) {
-            build.metric = (*name).to_owned();
+        if build.structure == StructureKind::Wavelet {
+            choice(
+                ui,
+                "Bound",
+                &mut build.wavelets.bound,
+                &[
+                    (ErrorBound::Conservative, "conservative"),
+                    (ErrorBound::WithoutSiblings, "without siblings"),
+                ],
+            );
+            choice(
+                ui,
+                "Coordinates",
+                &mut build.coordinates,
+                &[(Coordinates::Atlas, "atlas of the base"), (Coordinates::Own, "own")],
+            );
+        } else {
+            let mut chosen = metric::NAMES.iter().position(|name| *name == build.metric).unwrap_or(0);
+            let names: Vec<(usize, &str)> = metric::NAMES.into_iter().enumerate().collect();
+            choice(ui, "Metric", &mut chosen, &names);
+            if let Some(name) = metric::NAMES.get(chosen) {
+                build.metric = (*name).to_owned();
+            }
         }
         if build.structure == StructureKind::Hierarchy {
             choice(
@@ -231,6 +254,13 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
                 ],
             );
         }
+        if let Some(source) = viewer.refused().cloned() {
+            ui.weak(format!("{} is no subdivision of a coarse mesh", source.name()));
+            if ui.button("Build a vertex hierarchy").clicked() {
+                viewer.controls.build.structure = StructureKind::Hierarchy;
+                asked.load = Some(source);
+            }
+        }
         let outdated = viewer.is_outdated() && viewer.loading().is_none();
         asked.rebuild = ui.add_enabled(outdated, egui::Button::new("Build anew")).clicked();
     });
@@ -238,6 +268,7 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
 
 fn detail(ui: &mut Ui, viewer: &mut Viewer) {
     let selective = viewer.scene().is_none_or(|scene| scene.model().is_selective());
+    let wavelets = viewer.scene().is_some_and(|scene| scene.model().wavelets().is_some());
     section(ui, "Level of detail", |ui| {
         let tolerances = &mut viewer.controls.tolerances;
         ui.add(Slider::new(&mut tolerances.anywhere, 0.1..=50.0).logarithmic(true).text("tolerance, px"));
@@ -248,12 +279,14 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
             ui.add_enabled(own, Slider::new(&mut pixels, 0.1..=50.0).logarithmic(true).text("px"));
             tolerances.silhouette = own.then_some(pixels);
         });
-        choice(
-            ui,
-            "Error",
-            &mut tolerances.error,
-            &[(ErrorKind::Geometric, "geometric"), (ErrorKind::Parametric, "parametric")],
-        );
+        ui.add_enabled_ui(!wavelets, |ui| {
+            choice(
+                ui,
+                "Error",
+                &mut tolerances.error,
+                &[(ErrorKind::Geometric, "geometric"), (ErrorKind::Parametric, "parametric")],
+            );
+        });
         ui.add_enabled_ui(selective, |ui| {
             let settings = &mut viewer.controls.settings;
             choice(
@@ -262,6 +295,14 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
                 &mut settings.storage,
                 &[(Storage::Static, "static"), (Storage::Compact, "compact")],
             );
+            if wavelets {
+                choice(
+                    ui,
+                    "Triangles",
+                    &mut settings.triangulation,
+                    &[(Triangulation::Exact, "exact"), (Triangulation::Minimal, "minimal")],
+                );
+            }
             let mut limited = settings.limits.triangles.is_some();
             ui.horizontal(|ui| {
                 ui.checkbox(&mut limited, "budget");

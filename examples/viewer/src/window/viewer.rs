@@ -64,6 +64,10 @@ pub struct Viewer {
     eyes: [Eye; 2],
     targets: [Target; 2],
     paint: Paint,
+    /// Whether that is a picture that somebody brought, which models do not replace.
+    painted: bool,
+    /// What could not be built as a wavelet mesh.
+    refused: Option<Source>,
     lines: wgpu::Buffer,
     line_count: u32,
     source: Source,
@@ -113,6 +117,8 @@ impl Viewer {
             eyes: [renderer.eye(&gpu.device), renderer.eye(&gpu.device)],
             targets: [(); 2].map(|()| Target::new(&gpu.device, [1, 1], SAMPLES)),
             paint: renderer.paint(&gpu.device, &gpu.queue, [side; 2], &checker),
+            painted: false,
+            refused: None,
             lines: gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("lines"),
                 size: LINE_ENDS * size_of::<LineEnd>() as u64,
@@ -152,6 +158,7 @@ impl Viewer {
     pub fn load(&mut self, source: Source, wake: impl Fn() + Send + 'static) {
         self.cancel();
         self.message = None;
+        self.refused = None;
         self.loading = Some(Loading::start(source, self.controls.build.clone(), wake));
     }
 
@@ -185,6 +192,7 @@ impl Viewer {
             match read_png(file) {
                 Ok((size, pixels)) => {
                     self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
+                    self.painted = true;
                     self.controls.shading = Shading::Texture;
                 }
                 Err(error) => self.message = Some(error.to_string()),
@@ -212,6 +220,11 @@ impl Viewer {
     /// Whether something is on its way.
     pub fn is_loading(&self) -> bool {
         self.loading.is_some()
+    }
+
+    /// What could not be built as a wavelet mesh, but could as a vertex hierarchy.
+    pub fn refused(&self) -> Option<&Source> {
+        self.refused.as_ref()
     }
 
     /// The card's name.
@@ -306,6 +319,10 @@ impl Viewer {
                 self.source = loading.source().clone();
                 self.built = self.controls.build.clone();
                 let places = self.source.places();
+                if !self.painted {
+                    let (size, pixels) = model.picture();
+                    self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
+                }
                 self.full = None;
                 self.scene = Some(Scene::new(
                     &self.gpu.device,
@@ -320,7 +337,12 @@ impl Viewer {
                 }
             }
             Err(ModelError::Cancelled) => {}
-            Err(error) => self.message = Some(format!("{}: {error}", loading.source().name())),
+            Err(error) => {
+                self.message = Some(format!("{}: {error}", loading.source().name()));
+                if matches!(error, ModelError::NoConnectivity(_)) {
+                    self.refused = Some(loading.source().clone());
+                }
+            }
         }
     }
 

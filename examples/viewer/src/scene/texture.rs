@@ -1,0 +1,48 @@
+//! The texture of a wavelet mesh, by its base: one picture that lies on every level of detail as it lies on the full mesh.
+
+use multires::quality::palette;
+use multires::wavelet::{Atlas, AtlasOptions, SurfacePoint, WaveletMesh};
+
+/// Texels along a side: the first that leaves charts at least so many, or the last.
+const SIDES: [u32; 3] = [1024, 2048, 4096];
+const LEAST_CHART: u32 = 16;
+/// Texels of no chart. Filters of small pictures reach them, so they are no colour.
+const BETWEEN: [u8; 4] = [168, 168, 168, 255];
+
+/// A picture to paint surfaces with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texture {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Row by row, sRGB and opacity.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+/// The mesh with the coordinates of an atlas instead of those that it had, and a colour for each base face, with a checker in its
+/// barycentric coordinates, as the texture. `None` where there are too many base faces for a picture that cards take.
+pub(super) fn by_base(mesh: &WaveletMesh) -> Option<(WaveletMesh, Texture)> {
+    let faces = mesh.subdivision().base_face_count();
+    // Two charts share a square cell.
+    let across = ((faces as f64 / 2.0).sqrt().ceil() as u32).max(1);
+    let side = SIDES.into_iter().find(|side| side / across >= LEAST_CHART).unwrap_or(SIDES[2]);
+    // A wide gutter keeps small pictures from mixing charts, but must not eat them up.
+    let gutter = (side / across / 16).clamp(1, 8);
+    let atlas = Atlas::new(mesh, &AtlasOptions::default().with_resolution(side).with_gutter(gutter)).ok()?;
+    // About as many squares on a base of few faces as on one of many.
+    let squares = (64.0 / (faces as f64).sqrt()).log2().round().clamp(1.0, 5.0).exp2();
+    let mut pixels = atlas.bake(mesh, |point| colour(point, squares)).ok()?;
+    pixels.iter_mut().filter(|pixel| pixel[3] == 0).for_each(|pixel| *pixel = BETWEEN);
+    Some((mesh.with_atlas(&atlas).ok()?, Texture { size: [side; 2], pixels }))
+}
+
+/// Small triangles of a base face in turns in its colour and half-way to white.
+fn colour(point: &SurfacePoint, squares: f64) -> [u8; 4] {
+    let [r, g, b] = palette::categorical(point.domain.base_face);
+    let steps: f64 = point.domain.barycentric.iter().map(|weight| (weight * squares).floor()).sum();
+    if steps % 2.0 == 0.0 {
+        [r, g, b, 255]
+    } else {
+        let [r, g, b] = [r, g, b].map(|channel| channel / 2 + 127);
+        [r, g, b, 255]
+    }
+}

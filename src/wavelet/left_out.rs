@@ -1,0 +1,229 @@
+//! The largest errors that a wavelet's absence leaves, found without looking at all of them.
+//!
+//! ```text
+//!     support      errors one by one for some levels, as far as they could be the largest so far
+//!      /   \
+//!     .     .      below: what was before, and the bounds of the wavelets on the sides of a face, turned to the own axis
+//! ```
+//!
+//! What is found depends on nothing but what is in the support, so no bounds count of wavelets on its rim: bounds made anew one by
+//! one are the same as all made at once. Some levels below, errors are a small share of the whole, so that it does not matter much that
+//! bounds of bounds are wider.
+
+use std::cell::Cell;
+
+use glam::DVec3;
+
+use crate::mesh::NONE;
+use crate::view::{ErrorShape, Fit};
+
+use super::ErrorBound;
+use super::bounds::{Grounds, WaveletBounds};
+
+/// Levels below a wavelet at which errors are looked at one by one, of all that is left out and of any.
+const LOOK_AT_ALL: u8 = 5;
+const LOOK_AT_ANY: u8 = 4;
+/// Factor by which an error that is left out of account must be smaller, so that rounding cannot make it larger.
+const CAUTION: f64 = 1.0 + 1e-9;
+
+/// Parts of an error along an axis and across it.
+type Parts = [f64; 2];
+
+/// Looks for the largest errors of a wavelet.
+pub(super) struct Search<'a, F> {
+    pub grounds: &'a Grounds<'a>,
+    pub wavelet: u32,
+    /// What shapes are about; `None`: balls.
+    pub axis: Option<DVec3>,
+    /// Bounds of finer wavelets.
+    pub finer: &'a F,
+}
+
+impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
+    /// Half-lengths of the smallest shape around them.
+    pub fn fit(&self) -> [f32; 2] {
+        let shape = self.grounds.mesh.options().shape;
+        let span = Cell::new([0.0; 2]);
+        self.run(
+            |[h, t]| h * CAUTION > span.get()[0] || t * CAUTION > span.get()[1],
+            |[h, t]| span.set(Fit::span(span.get(), (h, t))),
+        );
+        let fit = Cell::new(Fit::new(shape, span.get()));
+        self.run(
+            |[h, t]| fit.get().grows_by((h * CAUTION, t * CAUTION)),
+            |[h, t]| {
+                let mut with = fit.get();
+                with.add((h, t));
+                fit.set(with);
+            },
+        );
+        fit.get().sizes()
+    }
+
+    /// Visits errors, leaving out those that are no larger than what is not `worth` looking at.
+    fn run(&self, worth: impl Fn(Parts) -> bool, found: impl FnMut(Parts)) {
+        match self.grounds.mesh.options().bound {
+            ErrorBound::WithoutSiblings => self.all_left_out(worth, found),
+            ErrorBound::Conservative => self.any_left_out(worth, found),
+        }
+    }
+
+    fn parts(&self, error: DVec3) -> Parts {
+        match self.axis {
+            Some(axis) => [error.dot(axis).abs(), error.cross(axis).length()],
+            None => [error.length(), 0.0],
+        }
+    }
+
+    fn coefficient_parts(&self, wavelet: u32) -> Parts {
+        self.parts(self.grounds.coefficient(wavelet))
+    }
+
+    /// The most that the wavelets on an edge and on its parts can move a point beside it.
+    fn beside(&self, wavelet: u32, parts: &impl Fn(u32) -> Parts) -> Parts {
+        if wavelet == NONE {
+            return [0.0; 2];
+        }
+        let [a, b] = self.grounds.of.halves(wavelet).map(|half| self.beside(half, parts));
+        add(parts(wavelet), most(a, b))
+    }
+
+    /// What a wavelet and all finer ones in its support can add up to, at most: from its bounds, which are about another axis.
+    /// `own`: what of that is not to be counted.
+    fn most_of(&self, wavelet: u32, own: Option<DVec3>) -> Parts {
+        let shape = self.grounds.mesh.options().shape;
+        let bounds = (self.finer)(wavelet).unpack([0.0; 3], shape);
+        let (mut along, mut across) = (f64::from(bounds.along), f64::from(bounds.across));
+        if shape == ErrorShape::SphereAndCones {
+            along = along.max(across);
+        }
+        let Some(other) = bounds.axis().map(DVec3::from_array) else {
+            let most = (along.max(across) - own.map_or(0.0, DVec3::length)).max(0.0);
+            return [most; 2];
+        };
+        if let Some(own) = own {
+            along = (along - own.dot(other).abs()).max(0.0);
+            across = (across - own.cross(other).length()).max(0.0);
+        }
+        match self.axis {
+            None => [along + across, 0.0],
+            Some(axis) => {
+                let (cosine, sine) = (axis.dot(other).abs(), axis.cross(other).length());
+                [along * cosine + across * sine, along * sine + across]
+            }
+        }
+    }
+
+    /// Errors at the vertices inside the support where all wavelets of this level and finer ones are left out.
+    fn all_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
+        let (grounds, of) = (self.grounds, self.grounds.of);
+        found(self.coefficient_parts(self.wavelet));
+        let mut stack: Vec<(u32, [DVec3; 3], [bool; 3], u8)> = Vec::new();
+        for along in of.faces_along(self.wavelet).filter(|along| of.is_split(along.face())) {
+            let (face, k) = (along.face(), along.side());
+            let middles = of.sides_of_split(face).map(|side| grounds.coefficient(side));
+            let (next, far) = ((k + 1) % 3, (k + 2) % 3);
+            let rim = |side: usize| [0, 1, 2].map(|s| s == side);
+            stack.push((of.child(face, k), [DVec3::ZERO, middles[k], middles[far]], rim(2), LOOK_AT_ALL));
+            stack.push((of.child(face, next), [DVec3::ZERO, middles[next], middles[k]], rim(0), LOOK_AT_ALL));
+            stack.push((of.child(face, 3), middles, rim(next), LOOK_AT_ALL));
+        }
+        while let Some((face, errors, rim, look)) = stack.pop() {
+            if !of.is_split(face) {
+                continue;
+            }
+            // Between the corners errors are no larger than there, but for what finer wavelets add.
+            let sides = of.sides_of_split(face);
+            let so_far = errors.into_iter().fold([0.0; 2], |found, error| most(found, self.parts(error)));
+            let inside = (0..3).filter(|&k| !rim[k]).map(|k| self.most_of(sides[k], None));
+            let finer = inside.fold([0.0; 2], most);
+            let bound = add(so_far, finer);
+            if !worth(bound) {
+                continue;
+            }
+            if look == 0 {
+                found(bound);
+                continue;
+            }
+            let middles = [0, 1, 2].map(|k| {
+                let error = grounds.coefficient(sides[k]) + (errors[k] + errors[(k + 1) % 3]) * 0.5;
+                if !rim[k] {
+                    found(self.parts(error));
+                }
+                error
+            });
+            for i in 0..3 {
+                let j = (i + 2) % 3;
+                let (errors, rim) = ([errors[i], middles[i], middles[j]], [rim[i], false, rim[j]]);
+                stack.push((of.child(face, i), errors, rim, look - 1));
+            }
+            stack.push((of.child(face, 3), middles, [false; 3], look - 1));
+        }
+    }
+
+    /// For every face at full resolution in the support, the most that wavelets left out can move its points, along the axis and
+    /// across it.
+    fn any_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
+        let (grounds, of) = (self.grounds, self.grounds.of);
+        let parts = |wavelet: u32| self.coefficient_parts(wavelet);
+        let own = parts(self.wavelet);
+        let mut stack: Vec<(u32, Parts, [bool; 3], u8)> = Vec::new();
+        grounds.support(self.wavelet, |face, rim| stack.push((face, own, rim, LOOK_AT_ANY)));
+        while let Some((face, so_far, rim, look)) = stack.pop() {
+            if of.is_split(face) {
+                let sides = of.sides_of_split(face);
+                let coefficients = sides.map(|side| grounds.coefficient(side));
+                let own = coefficients.map(|coefficient| self.parts(coefficient));
+                let sum = add(so_far, own.into_iter().fold([0.0; 2], most));
+                // On the rim they reach out of the support.
+                let finer = [0, 1, 2].map(|k| match rim[k] {
+                    true => [f64::INFINITY; 2],
+                    false => self.most_of(sides[k], Some(coefficients[k])),
+                });
+                for i in 0..4 {
+                    // Each child is in the supports of two sides, or of all. One side at most is on the rim.
+                    let j = (i + 2) % 3;
+                    let (inside, rim) = match i {
+                        3 => (finer.into_iter().fold(finer[0], least), [false; 3]),
+                        i => (least(finer[i], finer[j]), [rim[i], false, rim[j]]),
+                    };
+                    let child = of.child(face, i);
+                    if !of.is_split(child) && of.is_uniform() {
+                        found(sum);
+                    } else if worth(add(sum, inside)) {
+                        if look == 0 {
+                            found(add(sum, inside));
+                        } else {
+                            stack.push((child, sum, rim, look - 1));
+                        }
+                    }
+                }
+                continue;
+            }
+            // Hats from deeper neighbours reach into it.
+            let mut beside = [0.0; 2];
+            if !of.is_uniform() {
+                for side in [0, 1, 2].map(|side| of.side(face, side).0) {
+                    beside = if side == self.wavelet {
+                        of.halves(side).into_iter().fold(beside, |b, half| most(b, self.beside(half, &parts)))
+                    } else {
+                        most(beside, self.beside(side, &parts))
+                    };
+                }
+            }
+            found(add(so_far, beside));
+        }
+    }
+}
+
+fn add([a, b]: Parts, [c, d]: Parts) -> Parts {
+    [a + c, b + d]
+}
+
+fn least([a, b]: Parts, [c, d]: Parts) -> Parts {
+    [a.min(c), b.min(d)]
+}
+
+fn most([a, b]: Parts, [c, d]: Parts) -> Parts {
+    [a.max(c), b.max(d)]
+}
