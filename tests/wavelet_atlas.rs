@@ -11,7 +11,7 @@ use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::quality::{DistanceOptions, texture_deviation};
 use multires::wavelet::{
     Atlas, AtlasOptions, ChartSize, DomainPoint, Drawing, Face, Normals, Triangulation, WaveletBuilder,
-    WaveletError, WaveletLod, WaveletMesh, WaveletOptions,
+    WaveletError, WaveletLod, WaveletMesh, WaveletOptions, WaveletParts,
 };
 use wavelet::{bases, drawn_positions, hash, instance, patchy, positions, uniform, view};
 
@@ -291,6 +291,22 @@ fn coordinates_are_affine_on_base_faces_and_all_else_stays() {
         assert_eq!(before, after);
         assert_eq!(worn.materials(), mesh.materials());
         assert!(worn.with_atlas(&atlas).unwrap() == worn, "{name}: twice is once");
+
+        // It is a mesh like others: checked, and back from its parts; but not with parts of those beside deeper neighbours.
+        worn.validate().unwrap();
+        let parts = WaveletParts::from(worn.clone());
+        assert!(parts.beside.is_empty() == mesh.subdivision().is_uniform(), "{name}");
+        assert!(WaveletMesh::try_from(parts.clone()).unwrap() == worn, "{name}");
+        for change in 0..6 {
+            let mut forged = parts.clone();
+            let Some(at) = forged.beside.len().checked_sub(1 + change % 2) else { continue };
+            match change / 2 {
+                0 => drop(forged.beside.remove(at)),
+                1 => forged.beside[at][1] ^= 1,
+                _ => forged.beside[at][2] ^= 1,
+            }
+            assert!(WaveletMesh::try_from(forged).is_err(), "{name}: {change}");
+        }
     }
 }
 

@@ -152,12 +152,16 @@ impl SubdivisionBuilder {
         }
     }
 
-    /// Splits those of the last level; `false` where there is none.
+    /// Splits those of the last level, and those across seams from them; `false` where there is none.
     pub fn split(&mut self, mut split: Vec<bool>) -> Result<bool, WaveletError> {
         self.close(&mut split);
+        self.split_only(&split)
+    }
+
+    /// Splits those of the last level and no others; `false` where there is none.
+    pub fn split_only(&mut self, split: &[bool]) -> Result<bool, WaveletError> {
         let faces = self.last_level();
-        let new: Vec<u32> =
-            (faces.clone()).zip(&split).filter(|(_, split)| **split).map(|(f, _)| f).collect();
+        let new: Vec<u32> = (faces.clone()).zip(split).filter(|(_, split)| **split).map(|(f, _)| f).collect();
         if new.is_empty() {
             return Ok(false);
         }
@@ -292,18 +296,31 @@ impl SubdivisionBuilder {
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
         let mut done = self.finish_without_seams();
         // Across a seam faces are split together.
-        done.tell_apart(|of, along| of.is_split(along.face()), key);
+        done.tell_apart(
+            |of, along| of.is_split(along.face()),
+            |of, _, face, side, part| key(of, face, side, part),
+        );
+        done
+    }
+
+    /// The same where faces that are not split are beside seams too: `key` is asked for their sides for each wavelet there.
+    pub fn finish_beside<K: PartialEq>(
+        self,
+        key: impl Fn(&Subdivision, u32, u32, usize, Part) -> K,
+    ) -> Subdivision {
+        let mut done = self.finish_without_seams();
+        done.tell_apart(|_, _| true, key);
         done
     }
 }
 
 impl Subdivision {
     /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. A face that is
-    /// not split has the key of the first side, or one that no other has.
+    /// not split has the key of the first side, or one that no other has. `key` is told wavelet, face, side and part.
     pub(super) fn tell_apart<K: PartialEq>(
         &mut self,
         looked_at: impl Fn(&Self, Side) -> bool,
-        key: impl Fn(&Self, u32, usize, Part) -> K,
+        key: impl Fn(&Self, u32, u32, usize, Part) -> K,
     ) {
         let first = (self.base_vertices as usize + self.along.len()) as u32;
         let mut known: Vec<(K, u32)> = Vec::new();
@@ -314,7 +331,7 @@ impl Subdivision {
             for along in sides {
                 let (face, side) = (along.face(), along.side());
                 let vertices = Part::ALL.map(|part| {
-                    let key = key(self, face, side, part);
+                    let key = key(self, wavelet, face, side, part);
                     let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
                         let own = if known.is_empty() {
                             self.vertex_of(wavelet)

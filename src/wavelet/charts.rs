@@ -18,7 +18,7 @@ impl Subdivision {
         };
         apart.forget_seams();
         // Of the faces beside an edge of the base each is on a base face's side of its own, as tell_apart asks for.
-        let key = |_: &Self, face: u32, side: usize, part: Part| {
+        let key = |_: &Self, _: u32, face: u32, side: usize, part: Part| {
             if !self.is_split(face) {
                 return (self.base_side(face, side), None);
             }

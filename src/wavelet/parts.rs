@@ -26,6 +26,9 @@ pub struct WaveletParts {
     /// Corners of faces at midpoints where they have another vertex than the wavelet's own, as four times the face and the corner,
     /// ascending; and that vertex.
     pub seams: Vec<[u32; 2]>,
+    /// The same for sides of faces that are not split, beside deeper neighbours across a seam: wavelet, four times the face and the side,
+    /// and vertex; by vertex. Without any, faces across a seam are split together.
+    pub beside: Vec<[u32; 3]>,
     /// All vertices, without triangles: of the base, one for each wavelet, and the others at seams.
     pub vertices: Mesh,
     /// The material ids in use, ascending.
@@ -46,6 +49,7 @@ impl From<WaveletMesh> for WaveletParts {
             sides: sides(of),
             split: split(of),
             seams: seams(of),
+            beside: beside(of),
             base: mesh.subdivision.base,
             vertices: mesh.vertices,
             materials: mesh.materials,
@@ -95,6 +99,15 @@ pub(super) fn seams(of: &Subdivision) -> Vec<[u32; 2]> {
     of.seams.iter().map(|&(corner, vertex)| [corner, vertex]).collect()
 }
 
+/// [`WaveletParts::beside`] of a subdivision.
+pub(super) fn beside(of: &Subdivision) -> Vec<[u32; 3]> {
+    let first = of.base_vertices + of.wavelet_count() as u32;
+    let doubles = of.doubles.iter().zip(first..).filter(|((_, along), _)| !of.is_split(along.face()));
+    doubles
+        .map(|(&(wavelet, along), vertex)| [wavelet, along.face() << 2 | along.side() as u32, vertex])
+        .collect()
+}
+
 /// The same members in the same order as [`WaveletParts`], without a copy of the large ones.
 #[cfg(feature = "serde")]
 impl serde::Serialize for WaveletMesh {
@@ -107,6 +120,7 @@ impl serde::Serialize for WaveletMesh {
             sides: Vec<[u32; 3]>,
             split: Vec<u64>,
             seams: Vec<[u32; 2]>,
+            beside: Vec<[u32; 3]>,
             vertices: &'a Mesh,
             materials: &'a [u32],
             group_of: &'a [u16],
@@ -120,6 +134,7 @@ impl serde::Serialize for WaveletMesh {
             sides: sides(of),
             split: split(of),
             seams: seams(of),
+            beside: beside(of),
             vertices: &self.vertices,
             materials: &self.materials,
             group_of: &self.group_of,

@@ -16,7 +16,7 @@ use crate::mesh::NONE;
 
 use super::build::{Part, SubdivisionBuilder};
 use super::mesh::MOST_MATERIALS;
-use super::parts::{seams, sides, split};
+use super::parts::{beside as beside_of, seams, sides, split};
 use super::subdivision::{MOST_ALONG, MOST_FACES};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
@@ -27,6 +27,7 @@ struct Seeds<'a> {
     sides: &'a [[u32; 3]],
     split: &'a [u64],
     seams: &'a [[u32; 2]],
+    beside: &'a [[u32; 3]],
     /// How many there are in all.
     vertices: usize,
 }
@@ -34,9 +35,9 @@ struct Seeds<'a> {
 impl WaveletParts {
     /// The connectivity, where it is one that fits the number of vertices.
     pub(super) fn grow(&self) -> Result<Subdivision, WaveletError> {
-        let Self { base, base_vertices, sides, split, seams, vertices, .. } = self;
+        let Self { base, base_vertices, sides, split, seams, beside, vertices, .. } = self;
         let vertices = vertices.positions().len();
-        Seeds { base, base_vertices: *base_vertices, sides, split, seams, vertices }.grow()
+        Seeds { base, base_vertices: *base_vertices, sides, split, seams, beside, vertices }.grow()
     }
 }
 
@@ -55,10 +56,12 @@ impl Seeds<'_> {
             if of.depth() > 0 && splits.div_ceil(2) > room.saturating_sub(of.wavelet_count()) {
                 return broken("more faces are split than there are vertices for, of level", of.depth());
             }
-            if let Some(face) = builder.first_dragged(&flags) {
-                return broken("only the face across a seam is split, not face", face as usize);
+            if self.beside.is_empty() {
+                if let Some(face) = builder.first_dragged(&flags) {
+                    return broken("only the face across a seam is split, not face", face as usize);
+                }
             }
-            builder.split(flags)?;
+            builder.split_only(&flags)?;
         }
         let least = self.base_vertices as usize + builder.subdivision().wavelet_count();
         if least > self.vertices {
@@ -70,14 +73,25 @@ impl Seeds<'_> {
             let at = self.seams.binary_search_by_key(&corner, |seam| seam[0]);
             at.map_or(NONE, |at| self.seams[at][1])
         };
-        let of = match self.seams {
-            [] => builder.finish_without_seams(),
-            _ => builder.finish(key),
+        let beside = |wavelet: u32, face: u32, side: usize| {
+            let start = self.beside.partition_point(|beside| beside[0] < wavelet);
+            let own = self.beside[start..].iter().take(MOST_ALONG);
+            let mut own = own.take_while(|beside| beside[0] == wavelet);
+            own.find(|beside| beside[1] == face << 2 | side as u32).map_or(NONE, |beside| beside[2])
+        };
+        let of = match (self.seams, self.beside) {
+            ([], []) => builder.finish_without_seams(),
+            (_, []) => builder.finish(key),
+            _ => builder.finish_beside(|of, wavelet, face, side, part| match of.is_split(face) {
+                true => key(of, face, side, part),
+                false => beside(wavelet, face, side),
+            }),
         };
         expect("vertices", self.vertices, of.vertex_count())?;
         same("the wavelets along base face", self.sides, &sides(&of))?;
         same("the bits of split faces, word", self.split, &split(&of))?;
         same("the corners at seams, entry", self.seams, &seams(&of))?;
+        same("the sides beside seams, entry", self.beside, &beside_of(&of))?;
         Ok(of)
     }
 
@@ -141,6 +155,7 @@ impl WaveletMesh {
             sides: &sides(of),
             split: &split(of),
             seams: &seams(of),
+            beside: &beside_of(of),
             vertices: self.vertices.positions().len(),
         };
         if grown.grow()? != *of {
