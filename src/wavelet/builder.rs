@@ -31,7 +31,7 @@ pub struct Face {
     pub corners: [[f32; 3]; 3],
 }
 
-/// Subdivides a base mesh. Attributes of new vertices are in the middle of their ends', until [`with_vertices`] replaces them.
+/// Subdivides a base mesh. Attributes of new vertices are in the middle of their ends'.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -49,8 +49,6 @@ pub struct Face {
 /// assert_eq!(sphere.subdivision().leaf_count(), 20 * 256);
 /// # Ok::<(), multires::wavelet::WaveletError>(())
 /// ```
-///
-/// [`with_vertices`]: WaveletMesh::with_vertices
 #[derive(Debug)]
 pub struct WaveletBuilder {
     builder: SubdivisionBuilder,

@@ -38,7 +38,7 @@ impl Blend for Vertex {
     }
 
     fn moved(&self, from: &Self, to: &Self, t: f32) -> Self {
-        let [own, a, b]: [[f32; 10]; 3] = [*self, *from, *to].map(|vertex| bytemuck::cast(vertex));
+        let [own, a, b]: [[f32; 10]; 3] = [*self, *from, *to].map(bytemuck::cast);
         bytemuck::cast(own.moved(&a, &b, t))
     }
 }
