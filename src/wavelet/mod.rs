@@ -1,7 +1,7 @@
 //! Lazy-wavelet meshes: refinement by view over subdivision connectivity.
 //!
 //! A mesh that is a four-to-one subdivision of a coarse one is the coarse mesh plus one correction for every vertex that
-//! subdivision added: a *lazy wavelet*, a hat at the midpoint of an edge, times a coefficient (Azuma et al. 2007, View-dependent
+//! subdivision added: a *lazy wavelet*, a hat at the midpoint of an edge, times a coefficient (Azuma et al. 2003, View-dependent
 //! refinement of multiresolution meshes with subdivision connectivity). Any set of them that is closed under parents is a
 //! mesh without cracks; a view asks for a set, and textures cannot slide, since every point stays what it is on the base.
 //!
