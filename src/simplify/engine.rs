@@ -36,6 +36,7 @@ use super::queue::ClassQueue;
 use super::recorder::Recorder;
 use super::report::StopReason;
 use super::sequence::CollapseSequence;
+use super::simplifier::Settings;
 use super::surface::Surface;
 
 /// How much a measured deviation weighs against an estimated one. Found by trial: the more, the better the mean (2: by
@@ -71,13 +72,9 @@ mod state {
 
 /// What the engine is asked to do, besides the metric.
 pub(super) struct Plan<'a> {
-    pub placement: Placement,
-    pub order: Order,
     pub oracles: &'a [Box<dyn Oracle>],
     pub limits: Limits,
-    /// Object units.
-    pub join_distance: f32,
-    pub measure: ErrorMeasure,
+    pub settings: &'a Settings,
 }
 
 pub(super) struct Engine<'a, M> {
@@ -117,7 +114,8 @@ pub(super) struct Engine<'a, M> {
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
-        let Plan { placement, order, oracles, limits, join_distance, measure } = plan;
+        let Plan { oracles, limits, settings } = plan;
+        let &Settings { placement, order, measure, join_distance } = settings;
         let topology = Topology::new(mesh);
         let surface = Surface::new(mesh, &topology);
         let recorder = Recorder::new(mesh, &topology, &surface);

@@ -32,12 +32,29 @@ use super::sequence::CollapseSequence;
 /// O(n) expected time for bounded valence, and O(n log n) for measuring the error; around 200 bytes a point while it runs.
 pub struct Simplifier<M = Quadric> {
     metric: M,
-    placement: Placement,
-    order: Order,
     oracles: Vec<Box<dyn Oracle>>,
     targets: Vec<Target>,
-    join_distance: f32,
-    measure: ErrorMeasure,
+    settings: Settings,
+}
+
+/// Everything that can be set besides metric, oracles and targets.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Settings {
+    pub placement: Placement,
+    pub order: Order,
+    pub measure: ErrorMeasure,
+    /// Object units.
+    pub join_distance: f32,
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), OptionError> {
+        if self.join_distance.is_nan() || self.join_distance < 0.0 {
+            let value = f64::from(self.join_distance);
+            return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
+        }
+        Ok(())
+    }
 }
 
 impl Default for Simplifier {
@@ -51,12 +68,9 @@ impl Simplifier {
     pub fn new() -> Self {
         Self {
             metric: Quadric::new(),
-            placement: Placement::default(),
-            order: Order::default(),
             oracles: default_oracles(),
             targets: Vec::new(),
-            join_distance: 0.0,
-            measure: ErrorMeasure::default(),
+            settings: Settings::default(),
         }
     }
 }
@@ -65,28 +79,28 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// What a collapse costs. Default: [`Quadric`].
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Simplifier<N> {
-        let Self { placement, order, oracles, targets, join_distance, measure, .. } = self;
-        Simplifier { metric, placement, order, oracles, targets, join_distance, measure }
+        let Self { oracles, targets, settings, .. } = self;
+        Simplifier { metric, oracles, targets, settings }
     }
 
     /// Where the merged vertex goes. Default: [`Placement::Endpoint`].
     #[must_use]
     pub fn placement(mut self, placement: Placement) -> Self {
-        self.placement = placement;
+        self.settings.placement = placement;
         self
     }
 
     /// In which order collapses are done. Default: [`Order::Linear`].
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
-        self.order = order;
+        self.settings.order = order;
         self
     }
 
     /// What the error of a step is. Default: [`ErrorMeasure::Measured`].
     #[must_use]
     pub fn error_measure(mut self, measure: ErrorMeasure) -> Self {
-        self.measure = measure;
+        self.settings.measure = measure;
         self
     }
 
@@ -119,7 +133,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// parts may grow together (TOM 4.1). Default 0: never.
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
-        self.join_distance = distance;
+        self.settings.join_distance = distance;
         self
     }
 
@@ -142,18 +156,8 @@ impl<M: ErrorMetric> Simplifier<M> {
         mut progress: impl FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
-        if self.join_distance.is_nan() || self.join_distance < 0.0 {
-            let value = f64::from(self.join_distance);
-            return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
-        }
-        let plan = Plan {
-            placement: self.placement,
-            order: self.order,
-            oracles: &self.oracles,
-            limits,
-            join_distance: self.join_distance,
-            measure: self.measure,
-        };
+        self.settings.check()?;
+        let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
         let engine = Engine::new(mesh, &mut self.metric, plan);
         Ok(engine.run(mesh, &mut progress))
     }

@@ -237,7 +237,7 @@ impl Rules {
     }
 
     /// What was asked for, for JSON.
-    pub fn describe(&self, place: Place) -> [(&'static str, Value); 5] {
+    pub fn describe(&self, place: Place) -> Vec<(&'static str, Value)> {
         let attributes = match &self.attributes {
             Weights::Off => json!("off"),
             Weights::Customary => json!("on"),
@@ -245,7 +245,7 @@ impl Rules {
                 list.iter().map(|(name, weight)| (name.clone(), json!(weight))).collect()
             }
         };
-        [
+        vec![
             ("metric", json!(self.metric)),
             ("placement", json!(place.name())),
             ("order", json!(self.order_name())),
