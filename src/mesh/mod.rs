@@ -5,10 +5,12 @@
 //! | `mod.rs` | [`Mesh`], validated once and infallible afterwards |
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
 //! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
+//! | `tolerances.rs` | [`Tolerances`]: up to which differences wedges are one |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
 //! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
 //! | `gather.rs` | a mesh of some vertices of another |
 //! | `midpoints.rs` | vertices in the middle of two others, and normals from the triangles |
+//! | `near.rs` | positions that nearly coincide: [`Mesh::welded`] |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
@@ -17,14 +19,18 @@ mod attribute;
 mod edges;
 mod gather;
 mod midpoints;
+mod near;
 mod report;
 pub mod shapes;
+mod tolerances;
 mod topology;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
 pub use edges::Edges;
+pub(crate) use near::{border_twins, rounding};
 pub use report::Report;
+pub use tolerances::Tolerances;
 pub use topology::Topology;
 
 use crate::error::MeshError;
