@@ -21,7 +21,7 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
-use crate::mesh::{Mesh, NONE, Topology};
+use crate::mesh::{Mesh, NONE, Tolerances, Topology, border_twins, rounding};
 
 use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
 use super::classify::kind;
@@ -115,9 +115,8 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, join_distance } = settings;
-        let topology = Topology::new(mesh);
-        let surface = Surface::new(mesh, &topology);
+        let &Settings { placement, order, measure, join_distance, .. } = settings;
+        let (topology, surface) = Self::welded(mesh, &settings.tolerances);
         let recorder = Recorder::new(mesh, &topology, &surface);
         let points = surface.point_count();
         let partners = Partners::new(&surface, f64::from(join_distance) * surface.frame().scale());
@@ -149,6 +148,20 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             costs: Vec::new(),
             surface,
         }
+    }
+
+    /// Points and wedges, and the surface of them: cracks closed that are no wider than the tolerance.
+    fn welded(mesh: &Mesh, tolerances: &Tolerances) -> (Topology, Surface) {
+        let topology = Topology::with(mesh, tolerances);
+        let surface = Surface::new(mesh, &topology);
+        let is_open = |point: u32| surface.is_border(point) && !surface.is_locked(point);
+        let twin = border_twins(mesh, &topology, is_open, rounding(mesh, tolerances.position));
+        if twin.iter().zip(0..).all(|(&to, point)| to == point) {
+            return (topology, surface);
+        }
+        let topology = topology.with_twins(mesh, tolerances, &twin);
+        let surface = Surface::new(mesh, &topology);
+        (topology, surface)
     }
 
     pub fn run(

@@ -15,6 +15,7 @@ pub(super) struct Recorder {
     input_vertices: u32,
     new_vertices: Vec<NewVertex>,
     aliases: Vec<[u32; 2]>,
+    snaps: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
@@ -38,6 +39,11 @@ impl Recorder {
         let aliases = (0..wedge_of.len() as u32)
             .filter(|&v| wedge_of[v as usize] != v)
             .map(|v| [v, wedge_of[v as usize]]);
+        let place = |v: u32| mesh.positions()[v as usize];
+        let leader = |v: u32| topology.vertex_of_point()[topology.point_of()[v as usize] as usize];
+        let snaps = (0..wedge_of.len() as u32)
+            .map(|v| [v, leader(v)])
+            .filter(|&[v, to]| wedge_of[v as usize] == v && place(v) != place(to));
         let mut used = vec![false; wedge_of.len()];
         for t in 0..surface.triangle_count() as u32 {
             if surface.triangle(t).is_some() {
@@ -56,6 +62,7 @@ impl Recorder {
             input_vertices: wedge_of.len() as u32,
             new_vertices: Vec::new(),
             aliases: aliases.collect(),
+            snaps: snaps.collect(),
             substitutions: Vec::with_capacity(steps),
             step_start,
             step_error: Vec::with_capacity(steps),
@@ -207,6 +214,7 @@ impl Recorder {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
             aliases: self.aliases,
+            snaps: self.snaps,
             substitutions: self.substitutions,
             step_start: self.step_start,
             step_error: self.step_error,

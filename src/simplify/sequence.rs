@@ -9,6 +9,8 @@
 //! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
 //! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
 
+use std::borrow::Cow;
+
 use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
 
 use super::report::SimplifyReport;
@@ -50,6 +52,8 @@ pub struct CollapseSequence {
     pub(crate) new_vertices: Vec<NewVertex>,
     /// Duplicate vertices and the wedge each is folded into before the first step.
     pub(crate) aliases: Vec<[u32; 2]>,
+    /// Vertices and the one whose position each takes before the first step.
+    pub(crate) snaps: Vec<[u32; 2]>,
     pub(crate) substitutions: Vec<[u32; 2]>,
     /// Start of each step's substitutions; one more than steps.
     pub(crate) step_start: Vec<u32>,
@@ -108,10 +112,29 @@ impl CollapseSequence {
         &self.new_vertices
     }
 
-    /// Duplicate vertices (equal in position and all attributes) as `[duplicate, kept]`, folded together before the
-    /// first step.
+    /// Duplicate vertices as `[duplicate, kept]`, folded together before the first step: equal in position and all
+    /// attributes, or within the [`Tolerances`](crate::mesh::Tolerances) of the simplification.
     pub fn aliases(&self) -> &[[u32; 2]] {
         &self.aliases
+    }
+
+    /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the
+    /// other, which nearly coincides with its own ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps
+    /// its attributes. None where the input has no cracks of that width.
+    pub fn snaps(&self) -> &[[u32; 2]] {
+        &self.snaps
+    }
+
+    /// The positions of the input's vertices from the first step on. O(1) where nothing is snapped.
+    pub(crate) fn placed<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
+        if self.snaps.is_empty() {
+            return Cow::Borrowed(mesh.positions());
+        }
+        let mut positions = mesh.positions().to_vec();
+        for &[vertex, to] in &self.snaps {
+            positions[vertex as usize] = mesh.positions()[to as usize];
+        }
+        Cow::Owned(positions)
     }
 
     /// The substitutions `[from, to]` of one step; none where there is no such step.
@@ -262,8 +285,9 @@ impl CollapseSequence {
         triangles: Vec<[u32; 3]>,
         materials: Vec<u32>,
     ) -> Mesh {
+        let placed = self.placed(mesh);
         let position = |v: u32| match self.origin(v) {
-            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Input(v) => placed[v as usize],
             Origin::Blend(new) => new.position,
         };
         let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| position(v)).collect();

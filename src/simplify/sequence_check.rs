@@ -63,12 +63,30 @@ impl CollapseSequence {
             }
         }
         check_new_vertices(self.input_vertices as usize, &self.new_vertices)?;
+        self.check_snaps()?;
         let mut earlier = 0;
         for (batch, &end) in self.batch_end.iter().enumerate() {
             if end < earlier || end as usize > steps {
                 return Err(SequenceError::BatchOrder { batch });
             }
             earlier = end;
+        }
+        Ok(())
+    }
+
+    /// Whether snapped vertices are the input's, ascending, and those that they go to stay where they are.
+    fn check_snaps(&self) -> Result<(), SequenceError> {
+        let vertices = self.input_vertices as usize;
+        let mut before = None;
+        for &[vertex, to] in &self.snaps {
+            if let Some(&vertex) = [vertex, to].iter().find(|&&v| v as usize >= vertices) {
+                return Err(SequenceError::VertexOutOfRange { step: 0, vertex, vertices });
+            }
+            let moves = self.snaps.binary_search_by_key(&to, |snap| snap[0]).is_ok();
+            if moves || before.is_some_and(|before| before >= vertex) {
+                return Err(SequenceError::Snap { vertex });
+            }
+            before = Some(vertex);
         }
         Ok(())
     }
@@ -170,6 +188,7 @@ pub(super) struct Parts {
     input_vertices: u32,
     new_vertices: Vec<NewVertex>,
     aliases: Vec<[u32; 2]>,
+    snaps: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
@@ -189,6 +208,7 @@ impl TryFrom<Parts> for CollapseSequence {
             input_vertices: parts.input_vertices,
             new_vertices: parts.new_vertices,
             aliases: parts.aliases,
+            snaps: parts.snaps,
             substitutions: parts.substitutions,
             step_start: parts.step_start,
             step_error: parts.step_error,

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Tolerances};
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric};
@@ -45,6 +45,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub tolerances: Tolerances,
 }
 
 impl Settings {
@@ -52,6 +53,9 @@ impl Settings {
         if self.join_distance.is_nan() || self.join_distance < 0.0 {
             let value = f64::from(self.join_distance);
             return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
+        }
+        if let Some((option, value, expected)) = self.tolerances.out_of_range() {
+            return Err(OptionError::OutOfRange { option, value: f64::from(value), expected });
         }
         Ok(())
     }
@@ -134,6 +138,15 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
+        self
+    }
+
+    /// Up to which differences vertices at one point are one wedge, so that noise makes no seams. Default: one step of
+    /// 16-bit storage ([`Tolerances::default`]). Nearly equal vertices are folded into one before the first step
+    /// ([`CollapseSequence::aliases`]).
+    #[must_use]
+    pub fn tolerances(mut self, tolerances: Tolerances) -> Self {
+        self.settings.tolerances = tolerances;
         self
     }
 

@@ -122,7 +122,7 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let start = Instant::now();
         let bar = Bar::new("simplifying");
         let mut simplifier = self.given.rules.simplifier(&mesh, place)?;
@@ -222,7 +222,7 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let bound = match self.bound {
             None | Some(Bound::Conservative) => ErrorBound::Conservative,
             Some(Bound::WithoutSiblings) => ErrorBound::WithoutSiblings,

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
-use multires::mesh::Mesh;
+use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
 use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
@@ -41,6 +41,14 @@ pub struct Rules {
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
+    /// Up to which differences vertices at one place are one: 16-bit (one step of 16-bit storage), exact, or KIND=T,...:
+    /// normal in degrees, uv in texels, texture (the texels of a side, 65536), color in steps of 1/255, other as a share of
+    /// the value, position in steps of 2^-23 of the largest coordinate (between open borders). "inf" is any difference.
+    #[arg(long, value_name = "16-bit|exact|KIND=T,...", default_value = "16-bit", value_parser = Weld::parse)]
+    pub weld_tolerance: Weld,
+    /// Snap positions within this distance (object units) of each other to one before anything else.
+    #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
+    pub weld: f64,
     /// Neither move nor remove vertices on open borders.
     #[arg(long)]
     pub lock_borders: bool,
@@ -63,9 +71,9 @@ pub struct Given {
 }
 
 impl Given {
-    /// Refuses all rules but what is to be left out of the mesh.
+    /// Refuses all rules but what is done to the mesh before it is simplified.
     pub fn check_unused(&self, reason: &str) -> Result<(), Failure> {
-        match self.names.iter().find(|name| *name != "drop") {
+        match self.names.iter().find(|name| !["drop", "weld"].contains(&name.as_str())) {
             None => Ok(()),
             Some(name) => Err(Failure::Usage(format!("--{name}: {reason}"))),
         }
@@ -144,6 +152,38 @@ impl Weights {
     }
 }
 
+/// Up to which differences vertices are one, and the text that said so.
+#[derive(Clone)]
+pub struct Weld {
+    tolerances: Tolerances,
+    text: String,
+}
+
+impl Weld {
+    fn parse(text: &str) -> Result<Self, String> {
+        let mut tolerances = if text == "exact" { Tolerances::exact() } else { Tolerances::default() };
+        let named = if ["exact", "16-bit"].contains(&text) { "" } else { text };
+        for part in named.split(',').filter(|_| !named.is_empty()) {
+            let (kind, value) = part.split_once('=').ok_or(format!("{part:?} is not KIND=T"))?;
+            let value = match value {
+                "inf" => f32::INFINITY,
+                _ => not_negative(value)? as f32,
+            };
+            tolerances = match kind {
+                "normal" => tolerances.with_normal(value),
+                "uv" => tolerances.with_uv(value),
+                "texture" if value > 0.0 => tolerances.with_texture_size(value),
+                "texture" => return Err("texture: not a number above 0".to_owned()),
+                "color" => tolerances.with_color(value),
+                "other" => tolerances.with_relative(value),
+                "position" => tolerances.with_position(value),
+                _ => return Err(format!("{kind:?} is none of normal, uv, texture, color, other, position")),
+            };
+        }
+        Ok(Self { tolerances, text: text.to_owned() })
+    }
+}
+
 impl Place {
     fn name(self) -> &'static str {
         match self {
@@ -171,8 +211,14 @@ impl Rules {
         self.placement.unwrap_or(suits)
     }
 
+    /// The mesh as it is to be simplified: without what is to be left out, near positions snapped.
+    pub fn prepared(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        let mesh = self.dropped(mesh)?;
+        Ok(if self.weld > 0.0 { mesh.welded(self.weld) } else { mesh })
+    }
+
     /// The mesh without what is to be left out.
-    pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+    fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
         if self.drop.is_empty() {
             return Ok(mesh);
         }
@@ -231,6 +277,7 @@ impl Rules {
             .order(order)
             .error_measure(measure)
             .join_distance(self.join_distance as f32)
+            .tolerances(self.weld_tolerance.tolerances.clone())
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
             .oracle(TriangleQuality::at_least(self.min_quality as f32)))
@@ -251,6 +298,8 @@ impl Rules {
             ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
+            ("weld_tolerance", json!(self.weld_tolerance.text)),
+            ("weld", json!(self.weld)),
         ]
     }
 

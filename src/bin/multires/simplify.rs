@@ -78,7 +78,7 @@ impl Run for Simplify {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.rules.dropped(imported.mesh)?;
+        let mesh = self.rules.prepared(imported.mesh)?;
 
         let start = Instant::now();
         let place = self.rules.place();
