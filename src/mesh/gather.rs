@@ -24,6 +24,7 @@ impl Mesh {
             materials,
             material_names: self.material_names.clone(),
             locks: if self.locks.is_empty() { Vec::new() } else { rows(&self.locks, 1, order) },
+            origin: self.origin,
         }
     }
 }

@@ -297,7 +297,8 @@ impl CollapseSequence {
             vertices.iter().map(|&v| mesh.locks().get(v as usize).copied().unwrap_or(false)).collect()
         };
         let attributes = mesh.attributes().iter().map(|a| self.attribute(a, vertices)).collect();
-        Mesh::from_trusted(positions, triangles, attributes, materials, mesh.material_names().to_vec(), locks)
+        let names = mesh.material_names().to_vec();
+        Mesh::from_trusted(positions, triangles, attributes, materials, names, locks).at_origin_of(mesh)
     }
 
     /// The values of one attribute at the given vertices; new vertices blend floats and copy labels from the nearer.

@@ -87,7 +87,8 @@ impl TomBuild {
             materials,
             mesh.material_names().to_vec(),
             locks,
-        ))
+        )
+        .at_origin_of(mesh))
     }
 
     fn check(&self, what: &str, found: usize, expected: usize) -> Result<(), TomError> {

@@ -229,6 +229,7 @@ impl Rules {
         }
         let kept = if is_dropped(MATERIAL) { &[][..] } else { mesh.materials() };
         let mut result = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
+        result = result.with_origin(mesh.origin()).map_err(Failure::input)?;
         result = result.with_materials(kept).map_err(Failure::input)?;
         result = result.with_locks(mesh.locks()).map_err(Failure::input)?;
         if !kept.is_empty() {
