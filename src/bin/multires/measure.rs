@@ -183,7 +183,7 @@ impl Measure {
 }
 
 /// Puts both meshes relative to one origin: that of the first, unless it has none.
-fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), MeshError> {
+fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), multires::MeshError> {
     let origin = if a.origin() == [0.0; 3] { b.origin() } else { a.origin() };
     for mesh in [a, b] {
         if mesh.origin() != origin {
