@@ -10,7 +10,7 @@
 //! ([`Topology::new`]), or to within tolerances ([`Topology::with`]).
 
 use super::tolerances::Comparison;
-use super::{Mesh, NONE, Tolerances};
+use super::{Attribute, Mesh, NONE, Tolerances};
 
 /// Wedges of a point that a vertex is compared with, the lowest first: enough for any corner of a real model, and few
 /// enough that a point of very many wedges costs no square of their number.
@@ -111,6 +111,21 @@ impl Topology {
     /// within the tolerances of it.
     pub fn wedge_of(&self) -> &[u32] {
         &self.wedge_of
+    }
+
+    /// The lowest vertex equal to each vertex in position and in one attribute.
+    pub(crate) fn equal_values(&self, attribute: &Attribute) -> Vec<u32> {
+        let count = self.point_of.len();
+        if self.vertex_of_point.len() == count {
+            return (0..count as u32).collect();
+        }
+        let hash_of = |v: usize| {
+            let words = attribute.words(v as u32).iter();
+            words.fold(mix(u64::from(self.point_of[v])), |h, &w| mix(h ^ u64::from(w)))
+        };
+        group(count, hash_of, |a, b| {
+            self.point_of[a] == self.point_of[b] && attribute.words(a as u32) == attribute.words(b as u32)
+        })
     }
 
     /// The lowest vertex at every point.

@@ -213,6 +213,7 @@ impl Recorder {
         let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
+            solved: Vec::new(),
             aliases: self.aliases,
             snaps: self.snaps,
             substitutions: self.substitutions,
