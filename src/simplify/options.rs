@@ -33,6 +33,41 @@ pub enum ErrorMeasure {
     Verified,
 }
 
+/// Whether collapses are refused that would ruin the shape.
+///
+/// What is left when everything better is refused by a rule may be terrible: a wall that folds into a corner while its
+/// ornaments stand. A level of so many triangles has an error far below the length of its edges unless something like
+/// that happened. So, while on, a collapse is refused that would bring the error beyond
+///
+/// ```text
+///     diagonal * max(1 / 100, 3 / sqrt(triangles))
+/// ```
+///
+/// the diagonal that of the box around the input's triangles, the triangles those that the collapse would leave: some
+/// three times the length that edges of as many even triangles have. Levels of scans stay below a third of it down to a
+/// hundred triangles, models of one closed surface below it to the last. Other collapses go on; where none is left, the
+/// simplification stops for [`StopReason::Guard`](super::StopReason::Guard). The limit is the same where no target is
+/// asked for, as for base meshes.
+///
+/// The guard judges measured errors: it has no say with [`ErrorMeasure::Travel`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Guard {
+    /// Collapses that ruin are refused.
+    #[default]
+    On,
+    /// Whatever the rules allow is done.
+    Off,
+}
+
+impl Guard {
+    /// The largest error of a level of so many triangles, in the unit of the diagonal.
+    pub(super) fn limit(diagonal: f32, triangles: usize) -> f32 {
+        diagonal * (3.0 / (triangles.max(1) as f32).sqrt()).max(0.01)
+    }
+}
+
 /// When to stop. With several targets the first one reached stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

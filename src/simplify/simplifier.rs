@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric};
-use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::options::{ErrorMeasure, Guard, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
@@ -45,6 +45,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub guard: Guard,
 }
 
 impl Settings {
@@ -134,6 +135,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
+        self
+    }
+
+    /// Whether collapses are refused that would ruin the shape. Default: [`Guard::On`].
+    #[must_use]
+    pub fn guard(mut self, guard: Guard) -> Self {
+        self.settings.guard = guard;
         self
     }
 

@@ -6,7 +6,9 @@ use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{
+    ErrorMeasure, Guard, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -50,9 +52,20 @@ pub struct Rules {
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
-    /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
+    /// Quality below which collapses that make new triangles thinner wait until dearer ones are due, from 0 (any) to 1
+    /// (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
     pub min_quality: f64,
+    /// Whether collapses are refused that bring the error beyond what the triangles left explain.
+    #[arg(long, value_name = "on|off", value_enum, default_value_t = Switch::On)]
+    pub guard: Switch,
+}
+
+/// Whether something is done.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
 }
 
 /// Rules, and which of them were given: for what knows none.
@@ -231,6 +244,7 @@ impl Rules {
             .order(order)
             .error_measure(measure)
             .join_distance(self.join_distance as f32)
+            .guard(if self.guard == Switch::On { Guard::On } else { Guard::Off })
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
             .oracle(TriangleQuality::at_least(self.min_quality as f32)))
@@ -251,6 +265,7 @@ impl Rules {
             ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
+            ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
         ]
     }
 
@@ -283,7 +298,7 @@ impl Rules {
             "material" => " (--drop material)",
             "link" => " (keeps the topology; --join-distance joins parts)",
             "normal flip" => " (a larger --max-turn)",
-            "triangle quality" => " (a smaller --min-quality)",
+            "guard" => " (would ruin the shape; --guard off)",
             _ => "",
         };
         let list = |number: fn(&Refusal) -> u64| {
@@ -317,6 +332,7 @@ pub fn stop_name(stop: StopReason) -> &'static str {
         StopReason::Target => "target",
         StopReason::Error => "error",
         StopReason::NothingLegal => "nothing-legal",
+        StopReason::Guard => "guard",
         StopReason::Cancelled => "cancelled",
         _ => "other",
     }
