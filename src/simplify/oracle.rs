@@ -125,7 +125,9 @@ impl Oracle for Borders {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NonManifold {
-    /// Points on a non-manifold edge move along that edge only; points where several fans or edges meet stay.
+    /// Curves of non-manifold edges are simplified along themselves, as borders are: a point on one moves along it only.
+    /// Points where several such curves meet, or one ends, stay. A point where fans meet that have no edge in common (a
+    /// pinch) moves with all its fans to a neighbour that is no such point and lies on no border.
     #[default]
     Slide,
     /// Non-manifold points stay as they are.
@@ -140,6 +142,7 @@ impl Oracle for NonManifold {
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
         let slide = *self == Self::Slide;
         stays_on_curve(surface, collapse, kind::NON_MANIFOLD, slide)
+            || slide && moves_pinch(surface, collapse)
     }
 
     fn reads(&self) -> Reads {
@@ -210,6 +213,21 @@ fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bo
     slides(collapse.pair)
         && (collapse.keeps_position(surface)
             || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost }))
+}
+
+/// Whether one end is a point of several fans and nothing else, and the other is free to become it.
+#[cold]
+fn moves_pinch(surface: &Surface, collapse: &Collapse) -> bool {
+    let is_pinch = |point: u32| {
+        let corners = || surface.star(point).flat_map(|corner| corner.others);
+        let is_non_manifold =
+            |other| surface.edge_kind(point, other).is_some_and(|edge| edge & kind::NON_MANIFOLD != 0);
+        surface.kind(point) & kind::FEATURE == kind::NON_MANIFOLD && !corners().any(is_non_manifold)
+    };
+    let is_free = |point: u32| surface.kind(point) & (kind::BORDER | kind::NON_MANIFOLD) == 0;
+    let Pair { lost, kept } = collapse.pair;
+    is_pinch(lost) && is_free(kept)
+        || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
 }
 
 /// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.

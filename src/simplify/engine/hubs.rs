@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::super::candidates::Best;
 use super::super::metric::{ErrorMetric, Pair};
 use super::super::oracle::{Collapse, Reads};
 use super::{Engine, state};
@@ -84,6 +85,19 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         *changes = 0;
         true
+    }
+
+    /// Leaves so many candidates of a hub, sorted by cost, that to ask about all takes steps in proportion to its triangles:
+    /// half of them the cheapest, half of them spread over the others.
+    pub(super) fn thin_out(options: &mut Vec<Best>) {
+        if options.len() > HUB {
+            let (cheapest, stride) = (HUB / 2, options.len().div_ceil(HUB / 2));
+            let mut index = 0;
+            options.retain(|_| {
+                index += 1;
+                index <= cheapest || index % stride == 0
+            });
+        }
     }
 
     /// Whether a rule refuses a candidate by its pair, or by some facets of its patch.
