@@ -18,9 +18,9 @@ fn house(ornaments: u32) -> Mesh {
         let at = [low[0] + u * side, low[1] + v * side, high[2] + 0.01 * side];
         let first = positions.len() as u32;
         let size = 0.004 * side;
-        positions.extend(shapes::tetrahedron().positions().iter().map(|p| {
-            std::array::from_fn(|k| at[k] + size * p[k])
-        }));
+        positions.extend(
+            shapes::tetrahedron().positions().iter().map(|p| std::array::from_fn(|k| at[k] + size * p[k])),
+        );
         triangles.extend(shapes::tetrahedron().triangles().iter().map(|t| t.map(|v| v + first)));
     }
     Mesh::new(positions, triangles).unwrap()
@@ -67,8 +67,12 @@ fn every_level_keeps_the_limit() {
 
 #[test]
 fn whole_shapes_do_not_meet_the_guard() {
-    let meshes =
-        [shapes::terrain(48, 1), shapes::rock(6000, 3), shapes::icosphere(4), shapes::torus(1.0, 0.4, 60, 30)];
+    let meshes = [
+        shapes::terrain(48, 1),
+        shapes::rock(6000, 3),
+        shapes::icosphere(4),
+        shapes::torus(1.0, 0.4, 60, 30),
+    ];
     for mesh in meshes {
         for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified] {
             let run = |guard| {

@@ -226,8 +226,7 @@ fn moves_pinch(surface: &Surface, collapse: &Collapse) -> bool {
     };
     let is_free = |point: u32| surface.kind(point) & (kind::BORDER | kind::NON_MANIFOLD) == 0;
     let Pair { lost, kept } = collapse.pair;
-    is_pinch(lost) && is_free(kept)
-        || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
+    is_pinch(lost) && is_free(kept) || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
 }
 
 /// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
