@@ -16,6 +16,8 @@
 
 mod around;
 mod finish;
+mod hubs;
+mod watch;
 
 use std::ops::ControlFlow;
 
@@ -39,11 +41,18 @@ use super::sequence::CollapseSequence;
 use super::simplifier::Settings;
 use super::surface::Surface;
 
+pub(super) use hubs::HUB;
+use hubs::Hubs;
+use watch::Watch;
+
 /// How much a measured deviation weighs against an estimated one. Found by trial: the more, the better the mean (2: by
 /// 15 %, 4: by 22 %, 8: by 24 % at a tenth of the triangles), the worse the maximum, and the slower.
 const VERIFIED_WEIGHT: f32 = 4.0;
 /// Costs within this factor of the estimate are taken for it.
 const VERIFIED_SLACK: f32 = 1.2;
+
+/// A cost below all that arise from rounding.
+const LEAST_COST: f32 = 1e-30;
 
 /// Up to so many candidates of a point are priced together.
 const FEW: usize = 16;
@@ -56,6 +65,8 @@ enum Attempt {
     Refused,
     /// It costs more than it seemed to, and should wait for that.
     Later(f32),
+    /// A rule that gives way puts it off until this cost is due.
+    Dear(f32),
 }
 
 /// What a point waits for.
@@ -68,6 +79,16 @@ mod state {
     pub const GONE: u8 = 4;
     /// Part of a neighbourhood that this batch changed.
     pub const TOUCHED: u8 = 8;
+    /// A candidate was refused by the guard, whose limit grows as triangles go.
+    pub const GUARDED: u8 = 16;
+    /// A hub around which not everything was woken.
+    pub const PENDING: u8 = 32;
+}
+
+/// A candidate that no rule forbids, and how many times its cost it counts as.
+struct Legal {
+    candidate: Candidate,
+    surcharge: f32,
 }
 
 /// What the engine is asked to do, besides the metric.
@@ -105,6 +126,8 @@ pub(super) struct Engine<'a, M> {
     /// Candidates refused because they would exceed the error asked for.
     too_far: u64,
     errors: Errors,
+    watch: Watch,
+    hubs: Hubs,
     patch: Patch,
     dead: Vec<u32>,
     ring: Vec<u32>,
@@ -115,7 +138,7 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, join_distance, .. } = settings;
+        let &Settings { placement, order, measure, join_distance, guard, .. } = settings;
         let (topology, surface) = Self::welded(mesh, &settings.tolerances);
         let recorder = Recorder::new(mesh, &topology, &surface);
         let points = surface.point_count();
@@ -141,6 +164,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             refusals: vec![0; oracles.len()],
             too_far: 0,
             errors: Errors::new(&surface, measure),
+            watch: Watch::new(&surface, guard, measure),
+            hubs: Hubs::new(points),
             patch: Patch::default(),
             dead: Vec::new(),
             ring: Vec::new(),
@@ -193,6 +218,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
         if stop == StopReason::NothingLegal && self.too_far > 0 {
             stop = StopReason::Error;
+        } else if stop == StopReason::NothingLegal && self.guards_any() {
+            stop = StopReason::Guard;
         }
         self.finish(mesh, stop)
     }
@@ -244,7 +271,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let mut next_call = self.recorder.steps() + PROGRESS_STEPS;
         // The band in which the target was reached.
         let mut last_band = None;
-        while let Some(point) = self.queue.pop() {
+        while let Some(point) = self.next_point() {
             if last_band.is_some_and(|band| band != self.queue.bands()) {
                 return Some(StopReason::Target);
             }
@@ -289,6 +316,18 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             }
         }
         last_band.map(|_| StopReason::Target)
+    }
+
+    /// The next point to serve. When none is left, what was left asleep for the time being is woken once more.
+    fn next_point(&mut self) -> Option<u32> {
+        let next = match self.queue.pop() {
+            None if self.wake_rest() => self.queue.pop(),
+            next => next,
+        };
+        if let Some(point) = next {
+            self.state[point as usize] &= !state::ASLEEP;
+        }
+        next
     }
 
     fn refresh(&mut self, point: u32) {
@@ -356,85 +395,145 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
     fn try_collapse(&mut self, point: u32) -> bool {
         let first = self.best[point as usize];
+        let mut later = NO_BEST;
+        let mut asleep = false;
         match self.attempt(point, first) {
             Attempt::Done => return true,
             Attempt::Later(cost) => {
-                self.postpone(point, Best { cost, other: first.other });
+                self.postpone(point, Best { cost, other: first.other }, false);
                 return false;
             }
+            Attempt::Dear(cost) => {
+                later = Best { cost, other: first.other };
+                asleep = true;
+            }
             Attempt::Refused => {}
+        }
+        if !self.may_look_around(point) {
+            self.postpone(point, later, asleep);
+            return false;
         }
         let mut options = std::mem::take(&mut self.options);
         options.clear();
         self.for_candidates(point, |option| options.push(option));
         options.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.other.cmp(&b.other)));
         options.dedup_by_key(|option| option.other);
+        if self.is_hub(point) {
+            Self::thin_out(&mut options);
+        }
         let mut done = false;
-        let mut later = NO_BEST;
-        for &option in options.iter().filter(|option| option.other != first.other) {
-            if self.queue.is_due(option.cost) {
-                match self.attempt(point, option) {
-                    Attempt::Done => done = true,
-                    Attempt::Later(cost) => later = Best { cost, other: option.other },
+        for &Best { cost, other } in options.iter().filter(|option| option.other != first.other) {
+            if cost >= later.cost {
+                break;
+            }
+            let (cost, dear) = if self.queue.is_due(cost) {
+                match self.attempt(point, Best { cost, other }) {
+                    Attempt::Done => {
+                        done = true;
+                        break;
+                    }
+                    Attempt::Later(cost) => (cost, false),
+                    Attempt::Dear(cost) => (cost, true),
                     Attempt::Refused => continue,
                 }
-                break;
-            } else if self.legal(point, option.other).is_some() {
-                later = option;
+            } else {
+                match self.legal(point, other) {
+                    Some(Legal { surcharge, .. }) => (dearer(cost, surcharge), surcharge > 1.0),
+                    None => continue,
+                }
+            };
+            if cost < later.cost {
+                later = Best { cost, other };
+                asleep = dear;
+            }
+            if !dear {
                 break;
             }
         }
         self.options = options;
         if !done {
-            self.postpone(point, later);
+            self.postpone(point, later, asleep);
         }
         done
     }
 
-    /// Lets a point wait for a dearer candidate, or sleep where it has none.
-    fn postpone(&mut self, point: u32, later: Best) {
+    /// Lets a point wait for a dearer candidate, or sleep where it has none; `asleep`: a change next to it wakes it also
+    /// while it waits.
+    fn postpone(&mut self, point: u32, later: Best, asleep: bool) {
         self.best[point as usize] = later;
-        if later.other == NONE {
+        if asleep || later.other == NONE {
             self.state[point as usize] |= state::ASLEEP;
-        } else {
+        }
+        if later.other != NONE {
             self.queue.insert(point, later.cost);
         }
     }
 
-    /// The pair and position of a candidate where every oracle allows it; its patch is then in `self.patch`.
+    /// The pair and position of a candidate that no oracle forbids; its patch is then in `self.patch`.
     #[inline]
-    fn legal(&mut self, point: u32, other: u32) -> Option<Candidate> {
+    fn legal(&mut self, point: u32, other: u32) -> Option<Legal> {
         let (pair, x) = self.judge().place(point, other);
         let (x, object) = self.judge().snap(pair, x);
+        if self.is_hub(pair.lost) && self.is_refused_early(pair, x) {
+            return None;
+        }
         self.patch.gather(&self.surface, pair, x);
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
+        let mut surcharge = 1.0;
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
             if !oracle.allows(&self.surface, &collapse) {
                 *count += 1;
-                return None;
+                surcharge *= oracle.surcharge()?.max(1.0);
             }
         }
-        Some(Candidate { pair, x, object })
+        Some(Legal { candidate: Candidate { pair, x, object }, surcharge })
     }
 
     /// Does a candidate's collapse, unless a rule refuses it or it turns out dearer than it seemed.
     fn attempt(&mut self, point: u32, best: Best) -> Attempt {
-        let Some(candidate) = self.legal(point, best.other) else { return Attempt::Refused };
+        let Some(Legal { candidate, surcharge }) = self.legal(point, best.other) else {
+            return Attempt::Refused;
+        };
         let Candidate { pair, x, .. } = candidate;
+        if surcharge > 1.0 {
+            let cost = dearer(self.judge().cost(point, best.other), surcharge);
+            if !self.queue.is_due(cost) {
+                return Attempt::Dear(cost);
+            }
+        }
         if let Some(true_cost) = self.verify(point, best.other, pair, x) {
             if true_cost > VERIFIED_SLACK * best.cost && !self.queue.is_due(true_cost) {
                 return Attempt::Later(true_cost);
             }
         }
-        if self.limits.error.is_finite() {
+        let guard = self.guard_limit();
+        if self.limits.error.is_finite() || self.may_exceed(guard, pair, x) {
             let error = self.errors.measure(&self.surface, &self.patch, pair, x);
             if self.surface.frame().object_length(error) > self.limits.error {
                 self.too_far += 1;
                 return Attempt::Refused;
             }
+            if error > guard {
+                self.watch.refuse(guard);
+                self.state[point as usize] |= state::GUARDED;
+                return Attempt::Refused;
+            }
         }
         self.commit(candidate);
         Attempt::Done
+    }
+
+    /// The largest error that the guard allows after the collapse whose patch is in `self.patch`, inner units.
+    fn guard_limit(&self) -> f32 {
+        self.watch.limit(self.surface.live_triangles() - self.patch.thirds().len())
+    }
+
+    /// Whether a collapse may bring the error beyond a limit: what lay on a patch is afterwards farther from it by no
+    /// more than the points move.
+    #[inline]
+    fn may_exceed(&self, limit: f32, pair: Pair, x: Vec3) -> bool {
+        let way = x.distance(self.surface.at(pair.lost)).max(x.distance(self.surface.at(pair.kept)));
+        self.watch.largest + way > limit
     }
 
     /// What a collapse costs by what it does to the input; `None` where that is not asked for, or the cost at hand is
@@ -456,6 +555,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let share = blend_weight(self.surface.at(pair.lost), self.surface.at(pair.kept), x);
         let mark = self.recorder.mark();
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
+        self.watch.reached(error);
         self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
         self.metric.substituting(&self.surface, self.recorder.last(x.into()));
@@ -484,4 +584,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.partners.merge(pair.lost, pair.kept);
         self.update_around(pair, rank);
     }
+}
+
+/// What a candidate counts as that a rule puts off. Never 0, so that it comes after all that cost nothing.
+fn dearer(cost: f32, surcharge: f32) -> f32 {
+    if surcharge > 1.0 { (cost.max(LEAST_COST) * surcharge).min(f32::MAX) } else { cost }
 }

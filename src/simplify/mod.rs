@@ -9,13 +9,14 @@
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
 //! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod angles;
 mod attribute_deviation;
 mod candidates;
 mod classify;
@@ -49,8 +50,8 @@ mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{AttributeWeights, ErrorMeasure, OptionError, Order, Progress, Target};
-pub use oracle::{Collapse, Oracle};
+pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Progress, Target};
+pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;
 pub use progressive::{ProgressiveMesh, VertexSplit};

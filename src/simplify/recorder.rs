@@ -141,7 +141,9 @@ impl Recorder {
         // What the kept wedges become.
         let mut renamed = std::mem::take(&mut self.renamed);
         renamed.clear();
-        for i in kept.clone() {
+        // Where they all stay there is nothing to do: a hub may have many.
+        let all_stay = exact && renew.is_none();
+        for i in kept.clone().filter(|_| !all_stay) {
             let b = self.wedges[i];
             let b = if exact { b } else { anchor };
             let known = renamed.iter().find(|r| r[0] == b);
@@ -165,12 +167,16 @@ impl Recorder {
             let to = renamed.iter().find(|r| r[0] == b).map_or(b, |r| r[1]);
             self.substitutions.push([a, to]);
         }
+        self.renamed = renamed;
+        if all_stay {
+            return;
+        }
+        let renamed = &self.renamed;
         let span = &mut self.spans[pair.kept as usize];
         span[1] = if exact { span[1] } else { 1 };
-        for (i, &[_, to]) in kept.zip(&renamed).take(span[1] as usize) {
+        for (i, &[_, to]) in kept.zip(renamed).take(span[1] as usize) {
             self.wedges[i] = to;
         }
-        self.renamed = renamed;
     }
 
     /// What the substitutions recorded last make of a vertex.

@@ -11,6 +11,9 @@ pub enum StopReason {
     Error,
     /// No legal collapse is left: see the refusals.
     NothingLegal,
+    /// Every legal collapse left would bring the error beyond what the triangles left explain: see
+    /// [`Guard`](super::Guard).
+    Guard,
     /// The progress callback asked to stop. The sequence up to there is whole and usable.
     Cancelled,
 }

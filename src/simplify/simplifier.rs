@@ -6,7 +6,7 @@ use crate::mesh::{Mesh, Tolerances};
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
-use super::options::{AttributeWeights, ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::options::{AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
@@ -47,6 +47,7 @@ pub(super) struct Settings {
     /// Object units.
     pub join_distance: f32,
     pub tolerances: Tolerances,
+    pub guard: Guard,
     pub attributes: AttributeWeights,
 }
 
@@ -149,6 +150,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn tolerances(mut self, tolerances: Tolerances) -> Self {
         self.settings.tolerances = tolerances;
+        self
+    }
+
+    /// Whether collapses are refused that would ruin the shape. Default: [`Guard::On`].
+    #[must_use]
+    pub fn guard(mut self, guard: Guard) -> Self {
+        self.settings.guard = guard;
         self
     }
 

@@ -270,7 +270,10 @@ impl Surface {
     #[inline]
     pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {
         let star = self.stars.of(point);
-        if self.kinds[point as usize] & kind::IRREGULAR != 0 || star.len() > N {
+        if star.len() > N {
+            return star.len();
+        }
+        if self.kinds[point as usize] & kind::IRREGULAR != 0 {
             let mut count = 0;
             self.for_neighbours(point, |other| {
                 few[count % N] = other;
@@ -343,7 +346,13 @@ impl Surface {
                 self.live_points -= usize::from(self.valence(kept) == 0);
             }
             [first, second] => {
-                self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                if self.valence(kept) > 64 {
+                    // A hub: two searches in wide steps.
+                    self.stars.remove(kept, first);
+                    self.stars.remove(kept, second);
+                } else {
+                    self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                }
                 self.detach_third(first, [lost, kept]);
                 self.detach_third(second, [lost, kept]);
                 self.live_points -= usize::from(self.valence(kept) == 0);

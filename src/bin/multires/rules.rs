@@ -7,7 +7,7 @@ use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, Guard, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
@@ -56,9 +56,20 @@ pub struct Rules {
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
-    /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
+    /// Quality below which collapses that make new triangles thinner wait until dearer ones are due, from 0 (any) to 1
+    /// (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
     pub min_quality: f64,
+    /// Whether collapses are refused that bring the error beyond what the triangles left explain.
+    #[arg(long, value_name = "on|off", value_enum, default_value_t = Switch::On)]
+    pub guard: Switch,
+}
+
+/// Whether something is done.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
 }
 
 /// Rules, and which of them were given: for what knows none.
@@ -249,6 +260,7 @@ impl Rules {
             .attributes(self.attributes.clone())
             .join_distance(self.join_distance as f32)
             .tolerances(self.weld_tolerance.tolerances.clone())
+            .guard(if self.guard == Switch::On { Guard::On } else { Guard::Off })
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
             .oracle(TriangleQuality::at_least(self.min_quality as f32)))
@@ -271,6 +283,7 @@ impl Rules {
             ("attributes", attributes),
             ("weld_tolerance", json!(self.weld_tolerance.text)),
             ("weld", json!(self.weld)),
+            ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
         ]
     }
 
@@ -303,7 +316,7 @@ impl Rules {
             "material" => " (--drop material)",
             "link" => " (keeps the topology; --join-distance joins parts)",
             "normal flip" => " (a larger --max-turn)",
-            "triangle quality" => " (a smaller --min-quality)",
+            "guard" => " (would ruin the shape; --guard off)",
             _ => "",
         };
         let list = |number: fn(&Refusal) -> u64| {
@@ -337,6 +350,7 @@ pub fn stop_name(stop: StopReason) -> &'static str {
         StopReason::Target => "target",
         StopReason::Error => "error",
         StopReason::NothingLegal => "nothing-legal",
+        StopReason::Guard => "guard",
         StopReason::Cancelled => "cancelled",
         _ => "other",
     }

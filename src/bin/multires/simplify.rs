@@ -122,7 +122,7 @@ impl Run for Simplify {
         let error_percent = percent(f64::from(report.error), diagonal);
         let share = percent(level.triangles().len() as f64, mesh.triangles().len() as f64);
         let mut warnings = imported.notes.clone();
-        if report.stop == StopReason::NothingLegal {
+        if matches!(report.stop, StopReason::NothingLegal | StopReason::Guard) {
             let left = level.triangles().len();
             warnings.push(format!("stopped at {left} triangles: {}", self.rules.obstacles(report)));
         }
