@@ -9,6 +9,7 @@ use super::classify::kind;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
 use super::surface::Surface;
+use super::wedge_map::WedgeMap;
 
 /// A collapse that an oracle is asked about.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +49,7 @@ pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
         Box::new(LinkCondition),
         Box::new(NormalFlip::default()),
         Box::new(TriangleQuality::default()),
+        Box::new(UvOrientation),
     ]
 }
 
@@ -137,9 +139,29 @@ impl Oracle for Seams {
         if !surface.has_seams() {
             return true;
         }
+        if !surface.holds(kind::SEAM) {
+            // Wedges without a partner are chosen anew; but no two of the kept point become one for it.
+            let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
+            return either & kind::WEDGES == 0 || !WedgeMap::new(surface, collapse.pair).joins_kept();
+        }
         stays_on_curve(surface, collapse, kind::SEAM, true)
             && (surface.edge_kind(collapse.pair.lost, collapse.pair.kept).is_none()
                 || WedgeMap::new(surface, collapse.pair).is_complete())
+    }
+}
+
+/// No triangle changes its orientation in texture space: what was mirrored stays mirrored, nothing else becomes it. Asked
+/// for every set of texture coordinates, with the wedges that the collapse would give to each triangle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct UvOrientation;
+
+impl Oracle for UvOrientation {
+    fn name(&self) -> &str {
+        "uv orientation"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        surface.keeps_uv_sides(collapse.pair, collapse.position.into())
     }
 }
 
@@ -165,69 +187,6 @@ fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bo
     slides(collapse.pair)
         && (collapse.keeps_position(surface)
             || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost }))
-}
-
-/// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
-///
-/// ```text
-///          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
-///      a  /  \ c             The triangles on the edge say a -> c and b -> d.
-///   lost ====== kept
-///      b  \  / d             A wedge without a triangle on the edge, or with two different ones, has nowhere
-///          w2                to go: then the collapse would tear or smear the seam.
-/// ```
-#[derive(Debug, Clone, Default)]
-pub(crate) struct WedgeMap {
-    /// `[from, to]`; a fixed few suffice for legal collapses, more are only counted.
-    pairs: [[u32; 2]; 8],
-    len: usize,
-    complete: bool,
-}
-
-impl WedgeMap {
-    /// The map of a pair joined by an edge.
-    pub fn new(surface: &Surface, pair: Pair) -> Self {
-        let mut map = Self { complete: true, ..Self::default() };
-        for corner in surface.star(pair.lost) {
-            let Some(side) = corner.others.iter().position(|&o| o == pair.kept) else { continue };
-            let vertices = surface.corner_vertices(corner.triangle);
-            let from = vertices[corner.slot as usize];
-            let to = vertices[(corner.slot as usize + 1 + side) % 3];
-            match map.get(from) {
-                Some(known) => map.complete &= known == to,
-                None => map.push(from, to),
-            }
-        }
-        for corner in surface.star(pair.lost) {
-            let from = surface.corner_vertices(corner.triangle)[corner.slot as usize];
-            map.complete &= map.get(from).is_some();
-        }
-        map
-    }
-
-    /// Whether every wedge has exactly one to go to.
-    pub fn is_complete(&self) -> bool {
-        self.complete
-    }
-
-    /// Where a wedge goes.
-    pub fn get(&self, from: u32) -> Option<u32> {
-        self.pairs().iter().find(|pair| pair[0] == from).map(|pair| pair[1])
-    }
-
-    /// All `[from, to]`.
-    pub fn pairs(&self) -> &[[u32; 2]] {
-        &self.pairs[..self.len]
-    }
-
-    fn push(&mut self, from: u32, to: u32) {
-        if self.len < self.pairs.len() {
-            self.pairs[self.len] = [from, to];
-            self.len += 1;
-        } else {
-            self.complete = false;
-        }
-    }
 }
 
 /// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1 in the reading that the only

@@ -6,7 +6,9 @@ use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{
+    ErrorMeasure, GivenUp, Order, Permissive, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -41,6 +43,10 @@ pub struct Rules {
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
+    /// Whether seams, creases and borders between materials may give: never, where it costs least, or only before a size
+    /// asked for is missed.
+    #[arg(long, value_name = "W", value_enum, default_value_t = Gives::Auto)]
+    pub permissive: Gives,
     /// Neither move nor remove vertices on open borders.
     #[arg(long)]
     pub lock_borders: bool,
@@ -119,6 +125,14 @@ pub enum Measure {
     Travel,
     Measured,
     Verified,
+}
+
+/// Whether seams and the like may give.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Gives {
+    Off,
+    On,
+    Auto,
 }
 
 /// Which attributes count.
@@ -230,6 +244,11 @@ impl Rules {
             .placement(placement)
             .order(order)
             .error_measure(measure)
+            .permissive(match self.permissive {
+                Gives::Off => Permissive::Off,
+                Gives::On => Permissive::On,
+                Gives::Auto => Permissive::Auto,
+            })
             .join_distance(self.join_distance as f32)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
@@ -251,6 +270,7 @@ impl Rules {
             ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
+            ("permissive", json!(self.permissive_name())),
         ]
     }
 
@@ -272,6 +292,14 @@ impl Rules {
             Measure::Travel => "travel",
             Measure::Measured => "measured",
             Measure::Verified => "verified",
+        }
+    }
+
+    fn permissive_name(&self) -> &'static str {
+        match self.permissive {
+            Gives::Off => "off",
+            Gives::On => "on",
+            Gives::Auto => "auto",
         }
     }
 
@@ -309,6 +337,21 @@ impl Rules {
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
     report.refusals.iter().map(one).collect()
+}
+
+/// What was given up, for JSON.
+pub fn given_up(report: &SimplifyReport) -> Value {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    json!({ "seams": seams, "creases": creases, "materials": materials })
+}
+
+/// The same for people; `None` where nothing was.
+pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    let parts = [(seams, "seams"), (creases, "creases"), (materials, "material borders")];
+    let some = parts.iter().filter(|part| part.0 > 0);
+    let list: Vec<String> = some.map(|(count, what)| format!("{what} by {count} collapses")).collect();
+    (!list.is_empty()).then(|| list.join(", "))
 }
 
 /// Why a simplification stopped.

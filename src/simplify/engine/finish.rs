@@ -3,6 +3,7 @@
 use crate::mesh::Mesh;
 
 use super::super::metric::ErrorMetric;
+use super::super::permissive::GivenUp;
 use super::super::reorder;
 use super::super::report::{Refusal, SimplifyReport, StopReason};
 use super::super::sequence::CollapseSequence;
@@ -46,11 +47,24 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
+        let report = SimplifyReport {
+            stop,
+            steps: 0,
+            triangles: 0,
+            vertices: 0,
+            error: 0.0,
+            refusals,
+            given_up: GivenUp::default(),
+        };
         let mut sequence = self.recorder.finish(report);
         if self.tiled {
-            reorder::sort_by_rank(&mut sequence, &self.ranks);
+            let order = reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
+            // Nothing is noted before the first step that gives something up.
+            let given = order[..sequence.len()].iter().filter_map(|&step| self.given.get(step as usize));
+            given.for_each(|&given| sequence.report.given_up.add(given));
+        } else {
+            self.given.iter().for_each(|&given| sequence.report.given_up.add(given));
         }
         sequence.fill_report(mesh);
         sequence

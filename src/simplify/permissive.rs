@@ -1,0 +1,104 @@
+//! What gives where a target would be missed: seams and creases first, material borders last.
+//!
+//! ```text
+//!     all hold                 down to the target, or until no legal collapse is left
+//!     seams and creases give   a point may leave its seam; its wedges are chosen anew (`wedge_map.rs`)
+//!     materials give           a point may leave its material border; triangles keep their materials
+//! ```
+//!
+//! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials. Borders,
+//! non-manifold edges, topology and the sides of triangles in texture space hold in any case.
+
+use super::classify::kind;
+use super::metric::Pair;
+use super::surface::Surface;
+use super::wedge_map::WedgeMap;
+
+/// Whether seams, creases and material borders may give.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Permissive {
+    /// They hold, come what may.
+    Off,
+    /// They hold until no legal collapse is left, and give where a size was asked for that is not reached then. Without
+    /// a target of size, down to the base mesh or to an error, they hold.
+    #[default]
+    Auto,
+    /// Seams and creases give from the start, at what it costs; material borders where nothing else is left, whether
+    /// or not a size is asked for. For attributes to cost anything, use
+    /// [`WithAttributes`](super::metric::WithAttributes).
+    On,
+}
+
+/// Collapses by what was given up for them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct GivenUp {
+    /// By which a point left its seam, or wedges of a seam were chosen anew.
+    pub seams: u64,
+    /// The same where normals alone make the seam.
+    pub creases: u64,
+    /// By which a point left its border between materials.
+    pub materials: u64,
+}
+
+impl GivenUp {
+    /// Whether nothing was given up.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn add(&mut self, gives: u8) {
+        self.seams += u64::from(gives & gives::SEAM != 0);
+        self.creases += u64::from(gives & gives::CREASE != 0);
+        self.materials += u64::from(gives & gives::MATERIAL != 0);
+    }
+}
+
+/// What one collapse gives up, as bits.
+pub(super) mod gives {
+    pub const SEAM: u8 = 1;
+    pub const CREASE: u8 = 2;
+    pub const MATERIAL: u8 = 4;
+}
+
+impl Surface {
+    /// What merging `pair` gives up, the kept point staying where it is or not. O(valences).
+    pub(super) fn gives_up(&mut self, pair: Pair, stays: bool) -> u8 {
+        let mut leaves = self.leaves_curve(pair.lost, pair.kept);
+        if !stays {
+            leaves |= self.leaves_curve(pair.kept, pair.lost);
+        }
+        let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
+        let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
+        if leaves & kind::SEAM != 0 || several && !WedgeMap::new(self, pair).is_complete() {
+            given |= if self.is_crease(pair.lost) { gives::CREASE } else { gives::SEAM };
+        }
+        given
+    }
+
+    /// The kinds of curves that a point leaves by moving to another.
+    fn leaves_curve(&mut self, from: u32, to: u32) -> u8 {
+        let bits = self.kind_if_held(from) & (kind::FEATURE | kind::CURVE);
+        let edge = self.edge_kind_if_held(from, to);
+        let slides = bits & kind::CURVE != 0 && edge == Some(bits & kind::FEATURE);
+        // Without an edge two parts are being joined on purpose.
+        if slides || edge.is_none() { 0 } else { bits & kind::FEATURE }
+    }
+
+    /// Whether the wedges of a point differ in their normals alone.
+    fn is_crease(&self, point: u32) -> bool {
+        let own = self.star(point).map(|c| self.corner_vertices(c.triangle)[c.slot as usize]);
+        let Some(first) = own.clone().next() else { return false };
+        let mut normals = false;
+        for vertex in own {
+            match self.values.differ(first, vertex) {
+                (true, false) => return false,
+                (differs, _) => normals |= differs,
+            }
+        }
+        normals
+    }
+}
