@@ -74,7 +74,7 @@ impl Surface {
         let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
         let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
         if leaves & kind::SEAM != 0 || several && !WedgeMap::new(self, pair).is_complete() {
-            given |= if self.is_crease(pair.lost) { gives::CREASE } else { gives::SEAM };
+            given |= if self.is_crease(pair.lost) || self.is_crease(pair.kept) { gives::CREASE } else { gives::SEAM };
         }
         given
     }
@@ -88,17 +88,28 @@ impl Surface {
         if slides || edge.is_none() { 0 } else { bits & kind::FEATURE }
     }
 
-    /// Whether the wedges of a point differ in their normals alone.
-    fn is_crease(&self, point: u32) -> bool {
-        let own = self.star(point).map(|c| self.corner_vertices(c.triangle)[c.slot as usize]);
-        let Some(first) = own.clone().next() else { return false };
-        let mut normals = false;
-        for vertex in own {
-            match self.values.differ(first, vertex) {
-                (true, false) => return false,
-                (differs, _) => normals |= differs,
+    /// Whether normals alone make the seams at a point. O(valence log valence).
+    fn is_crease(&mut self, point: u32) -> bool {
+        let mut ends = std::mem::take(&mut self.scratch.ends);
+        ends.clear();
+        for corner in self.star(point) {
+            let vertices = self.corner_vertices(corner.triangle);
+            for (side, &other) in corner.others.iter().enumerate() {
+                let slot = corner.slot as usize;
+                ends.push([other, vertices[slot], vertices[(slot + 1 + side) % 3]]);
             }
         }
-        normals
+        ends.sort_unstable();
+        let mut crease = false;
+        let mut seam = false;
+        for pair in ends.windows(2).filter(|pair| pair[0][0] == pair[1][0]) {
+            for end in [1, 2] {
+                let (differs, in_normals_alone) = self.values.differ(pair[0][end], pair[1][end]);
+                crease |= in_normals_alone;
+                seam |= differs && !in_normals_alone;
+            }
+        }
+        self.scratch.ends = ends;
+        crease && !seam
     }
 }

@@ -107,6 +107,8 @@ pub(super) struct Scratch {
     pub(super) moved: Vec<u32>,
     pub(super) neighbours: Vec<u32>,
     pub(super) seen: Vec<Seen>,
+    /// Edges around a point: the other point, and the vertices at both ends.
+    pub(super) ends: Vec<[u32; 3]>,
 }
 
 impl Surface {
