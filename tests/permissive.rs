@@ -129,9 +129,10 @@ fn materials_give_last_and_stay_closed() {
         assert!(coarse.materials().iter().zip(&origin).all(|(&m, &o)| m == plain.materials()[o as usize]));
 
         // Where giving up seams is enough, materials hold.
-        let sequence = run(&charted, placement, Permissive::Auto, Some(0.1));
+        let sequence = run(&charted, placement, Permissive::Auto, Some(0.2));
         assert_eq!(sequence.report().stop, StopReason::Target, "{placement:?}");
-        assert!(sequence.report().given_up.seams > 0 && sequence.report().given_up.materials == 0);
+        let given_up = sequence.report().given_up;
+        assert!(given_up.seams > 0 && given_up.materials == 0, "{given_up:?} with {placement:?}");
         assert_whole(&charted, &sequence);
     }
 }

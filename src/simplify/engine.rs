@@ -121,7 +121,7 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, permissive, join_distance } = settings;
+        let &Settings { placement, order, measure, permissive, join_distance, .. } = settings;
         let topology = Topology::new(mesh);
         let mut surface = Surface::new(mesh, &topology);
         surface.moves_wedges = !placement.keeps_vertices();

@@ -6,19 +6,24 @@
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
 //! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed |
-//! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space |
+//! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
 //! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
+//! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod attribute_deviation;
 mod candidates;
 mod classify;
 mod engine;
 mod errors;
+mod footprint;
+mod keep_sides;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
@@ -32,12 +37,14 @@ mod progressive;
 mod progressive_check;
 mod queue;
 mod recorder;
+mod refit;
 mod reorder;
 mod report;
 mod sequence;
 mod sequence_build;
 mod sequence_check;
 mod simplifier;
+mod solved;
 mod stars;
 mod surface;
 mod travel;
@@ -45,8 +52,9 @@ mod wedge_map;
 mod wedge_values;
 mod witness;
 
+pub use attribute_deviation::AttributeDeviation;
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
+pub use options::{AttributeWeights, ErrorMeasure, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use permissive::{GivenUp, Permissive};

@@ -74,7 +74,9 @@ impl Surface {
         let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
         let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
         if leaves & kind::SEAM != 0 || several && !WedgeMap::new(self, pair).is_complete() {
-            given |= if self.is_crease(pair.lost) || self.is_crease(pair.kept) { gives::CREASE } else { gives::SEAM };
+            let at_lost = self.seams_at(pair.lost);
+            let found = if at_lost == 0 { self.seams_at(pair.kept) } else { at_lost };
+            given |= if found == gives::CREASE { gives::CREASE } else { gives::SEAM };
         }
         given
     }
@@ -88,8 +90,8 @@ impl Surface {
         if slides || edge.is_none() { 0 } else { bits & kind::FEATURE }
     }
 
-    /// Whether normals alone make the seams at a point. O(valence log valence).
-    fn is_crease(&mut self, point: u32) -> bool {
+    /// Whether seams meet a point, and whether creases do, made by normals alone. O(valence log valence).
+    fn seams_at(&mut self, point: u32) -> u8 {
         let mut ends = std::mem::take(&mut self.scratch.ends);
         ends.clear();
         for corner in self.star(point) {
@@ -100,16 +102,18 @@ impl Surface {
             }
         }
         ends.sort_unstable();
-        let mut crease = false;
-        let mut seam = false;
+        let mut found = 0;
         for pair in ends.windows(2).filter(|pair| pair[0][0] == pair[1][0]) {
             for end in [1, 2] {
                 let (differs, in_normals_alone) = self.values.differ(pair[0][end], pair[1][end]);
-                crease |= in_normals_alone;
-                seam |= differs && !in_normals_alone;
+                found |= match (differs, in_normals_alone) {
+                    (false, _) => 0,
+                    (true, true) => gives::CREASE,
+                    (true, false) => gives::SEAM,
+                };
             }
         }
         self.scratch.ends = ends;
-        crease && !seam
+        found
     }
 }

@@ -119,7 +119,7 @@ fn mix(a: f32, b: f32, weight: f32) -> f32 {
 }
 
 /// 1 where a triangle of texture space turns to the left, -1 to the right, 0 where it has no side.
-fn side(corners: [[f32; 2]; 3]) -> i8 {
+pub(super) fn side(corners: [[f32; 2]; 3]) -> i8 {
     let (area, scale) = area(corners);
     if area > FLAT * scale {
         1

@@ -57,6 +57,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
             given_up: GivenUp::default(),
         };
         let mut sequence = self.recorder.finish(report);
+        if !sequence.new_vertices.is_empty() {
+            sequence.solved = self.metric.attribute_names().to_vec();
+        }
         if self.tiled {
             let order = reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
