@@ -23,11 +23,24 @@ pub(crate) mod kind {
     pub const CURVE: u8 = 32;
     /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
     pub const IRREGULAR: u8 = 64;
+    /// Its triangles name several vertices. May stay set where they no longer do.
+    pub const WEDGES: u8 = 128;
     /// Any edge that must stay an edge.
     pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
 impl Surface {
+    /// Whether edges of this kind must stay edges.
+    pub(crate) fn holds(&self, bit: u8) -> bool {
+        self.held & bit != 0
+    }
+
+    /// Lets edges of this kind go: from now on they count as ordinary ones. O(corners).
+    pub(super) fn release(&mut self, bit: u8) {
+        self.held &= !bit;
+        self.classify();
+    }
+
     /// Finds what every point is. O(corners).
     pub(super) fn classify(&mut self) {
         self.scratch.seen = vec![Seen::default(); self.positions.len()];
@@ -93,10 +106,27 @@ impl Surface {
             self.kinds[point as usize] &= kind::LOCKED;
             return;
         }
+        self.kinds[point as usize] = self.walk_star(point, self.held);
+    }
+
+    /// What a point would be if edges of every kind had to stay. O(valence).
+    pub(super) fn kind_if_held(&mut self, point: u32) -> u8 {
+        self.walk_star(point, kind::FEATURE)
+    }
+
+    /// What a point is where edges of the kinds in `held` must stay.
+    fn walk_star(&mut self, point: u32, held: u8) -> u8 {
         let mut seen = std::mem::take(&mut self.scratch.seen);
         let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
         neighbours.clear();
+        let mut wedge = NONE;
+        let mut wedges = 0;
         for corner in self.star(point) {
+            if let Some(vertices) = self.corner_vertices.get(corner.triangle as usize) {
+                let own = vertices[corner.slot as usize];
+                wedges |= if wedge != NONE && wedge != own { kind::WEDGES } else { 0 };
+                wedge = own;
+            }
             for side in 0..2 {
                 let n = corner.others[side];
                 let entry = &mut seen[n as usize];
@@ -116,13 +146,13 @@ impl Surface {
                 }
             }
         }
-        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED, 0u32);
+        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED | wedges, 0u32);
         for &n in &neighbours {
             let entry = &seen[n as usize];
             let edge = match entry.count {
                 1 => kind::BORDER,
-                2 => entry.bits,
-                _ => entry.bits | kind::NON_MANIFOLD,
+                2 => entry.bits & held,
+                _ => entry.bits & held | kind::NON_MANIFOLD,
             };
             bits |= edge | if entry.next == 1 { 0 } else { kind::IRREGULAR };
             features += u32::from(edge != 0);
@@ -137,12 +167,12 @@ impl Surface {
             features += if single { 0 } else { 3 };
         }
         bits |= if features == 2 { kind::CURVE } else { 0 };
-        self.kinds[point as usize] = bits;
         for &n in &neighbours {
             seen[n as usize] = Seen::default();
         }
         self.scratch.seen = seen;
         self.scratch.neighbours = neighbours;
+        bits
     }
 
     /// Triangles around a point that can be reached from the first across shared edges: fewer than its valence where
@@ -170,6 +200,11 @@ impl Surface {
 
     /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
     pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
+        self.edge_kind_if_held(u, v).map(|bits| bits & self.held)
+    }
+
+    /// What an edge would be if edges of every kind had to stay.
+    pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u8> {
         // From the side with fewer triangles: the other may be a hub.
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
@@ -205,7 +240,8 @@ impl Surface {
         for corner in self.star(u) {
             let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
             count += 1;
-            let (material, ends) = (self.material(corner.triangle), self.edge_vertices(corner, side));
+            let material = if self.holds(kind::MATERIAL) { self.material(corner.triangle) } else { 0 };
+            let ends = if self.holds(kind::SEAM) { self.edge_vertices(corner, side) } else { [0; 2] };
             if count > 2 || *first.get_or_insert((material, ends)) != (material, ends) {
                 return true;
             }

@@ -33,6 +33,7 @@ use super::options::{ErrorMeasure, Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
 use super::patch::Patch;
+use super::permissive::Permissive;
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
@@ -116,6 +117,11 @@ pub(super) struct Engine<'a, M> {
     touched: Vec<u32>,
     /// Whether ranks may descend.
     tiled: bool,
+    /// Ranks of steps before anything gave lie below this.
+    first_rank: u32,
+    permissive: Permissive,
+    /// Per step what it gave up, `gives` bits; empty while nothing may give.
+    given: Vec<u8>,
     /// Vertices in use at the start.
     input_vertices: usize,
     best: Vec<Best>,
@@ -138,8 +144,9 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, join_distance, guard, .. } = settings;
-        let (topology, surface) = Self::welded(mesh, &settings.tolerances);
+        let &Settings { placement, order, measure, permissive, join_distance, guard, .. } = settings;
+        let (topology, mut surface) = Self::welded(mesh, &settings.tolerances);
+        surface.moves_wedges = !placement.keeps_vertices();
         let recorder = Recorder::new(mesh, &topology, &surface);
         let points = surface.point_count();
         let partners = Partners::new(&surface, f64::from(join_distance) * surface.frame().scale());
@@ -158,6 +165,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             ranks: Vec::new(),
             touched: vec![0; points],
             tiled: false,
+            first_rank: 0,
+            permissive,
+            given: Vec::new(),
             best: vec![NO_BEST; points],
             state: vec![0; points],
             verified: if measure == ErrorMeasure::Verified { vec![NONE; points] } else { Vec::new() },
@@ -208,8 +218,14 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     self.recorder.finish_batch();
                     break;
                 }
+                None if self.order == Order::Linear => {
+                    if !self.give() {
+                        self.recorder.finish_batch();
+                        break;
+                    }
+                }
                 None => {
-                    if !self.recorder.finish_batch() || self.order == Order::Linear {
+                    if !self.recorder.finish_batch() && !self.give() {
                         break;
                     }
                 }
@@ -228,6 +244,31 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.limits.reached(self.surface.live_triangles(), self.recorder.live_vertices())
     }
 
+    /// Lets the next kind of edges give, now that no legal collapse is left. Whether there is one that may.
+    fn give(&mut self) -> bool {
+        let may = match self.permissive {
+            Permissive::Off => false,
+            Permissive::Auto => self.limits.is_sized() && self.too_far == 0,
+            Permissive::On => true,
+        };
+        let kinds = [(kind::SEAM, self.surface.has_seams()), (kind::MATERIAL, self.surface.has_materials())];
+        let next = kinds.into_iter().find(|&(bit, there)| there && self.surface.holds(bit));
+        match next {
+            Some((bit, _)) if may => {
+                self.release(bit);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn release(&mut self, bit: u8) {
+        self.surface.release(bit);
+        self.given.resize(self.recorder.steps(), 0);
+        // Later steps stay behind earlier ones, though costs start again.
+        self.first_rank = self.ranks.iter().max().map_or(0, |&last| last + 1);
+    }
+
     fn begin_batch(&mut self, index: usize) {
         let info = Batch {
             index,
@@ -236,7 +277,12 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             verified: !self.verified.is_empty(),
         };
         self.metric.begin(&self.surface, info);
+        if index == 0 && self.permissive == Permissive::On && self.surface.has_seams() {
+            // Only now: what seams are worth to the metric is part of its sums.
+            self.release(kind::SEAM);
+        }
         self.queue.restart();
+        self.verified.fill(NONE);
         self.touched.fill(0);
         for state in &mut self.state {
             *state &= state::GONE;
@@ -554,11 +600,17 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let Candidate { pair, x, object } = candidate;
         let share = blend_weight(self.surface.at(pair.lost), self.surface.at(pair.kept), x);
         let mark = self.recorder.mark();
+        if !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL)) {
+            self.given.push(self.surface.gives_up(pair, object.is_none()));
+        }
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
         self.watch.reached(error);
         self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
         self.metric.substituting(&self.surface, self.recorder.last(x.into()));
+        for new in self.recorder.last(x.into()).new_vertices {
+            self.surface.add_vertex(new.from, new.weight);
+        }
         let shifts_features =
             self.surface.kind(pair.lost) & !self.surface.kind(pair.kept) & kind::FEATURE != 0;
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
@@ -574,9 +626,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.tiled |= self.queue.is_tiled();
         let rank = if self.tiled {
             let needed = self.touched[pair.lost as usize].max(self.touched[pair.kept as usize]);
-            self.queue.rank().max(needed)
+            (self.first_rank + self.queue.rank()).max(needed)
         } else {
-            self.queue.rank()
+            self.first_rank + self.queue.rank()
         };
         self.ranks.push(rank);
         self.state[pair.lost as usize] = state::GONE;

@@ -5,7 +5,8 @@
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
 //! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
-//! | `oracle.rs` | [`Oracle`]: which collapses are legal |
+//! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed |
+//! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
@@ -23,6 +24,7 @@ mod classify;
 mod engine;
 mod errors;
 mod footprint;
+mod keep_sides;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
@@ -30,6 +32,7 @@ mod options;
 pub mod oracle;
 mod pairs;
 mod patch;
+mod permissive;
 mod placement;
 mod progressive;
 mod progressive_check;
@@ -46,6 +49,8 @@ mod solved;
 mod stars;
 mod surface;
 mod travel;
+mod wedge_map;
+mod wedge_values;
 mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
@@ -53,6 +58,7 @@ pub use metric::{Batch, ErrorMetric, Pair};
 pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};
+pub use permissive::{GivenUp, Permissive};
 pub use placement::Placement;
 pub use progressive::{ProgressiveMesh, VertexSplit};
 pub use progressive_check::ProgressiveError;

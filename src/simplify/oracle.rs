@@ -9,6 +9,7 @@ use super::classify::kind;
 use super::metric::Pair;
 use super::patch::{Facet, Patch, quality};
 use super::surface::Surface;
+use super::wedge_map::WedgeMap;
 
 /// A collapse that an oracle is asked about.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +74,7 @@ pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
         Box::new(LinkCondition),
         Box::new(NormalFlip::default()),
         Box::new(TriangleQuality::default()),
+        Box::new(UvOrientation),
     ]
 }
 
@@ -181,6 +183,11 @@ impl Oracle for Seams {
         if !surface.has_seams() {
             return true;
         }
+        if !surface.holds(kind::SEAM) {
+            // Wedges without a partner are chosen anew; but no two of the kept point become one for it.
+            let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
+            return either & kind::WEDGES == 0 || !WedgeMap::new(surface, collapse.pair).joins_kept();
+        }
         stays_on_curve(surface, collapse, kind::SEAM, true)
             && (surface.edge_kind(collapse.pair.lost, collapse.pair.kept).is_none()
                 || WedgeMap::new(surface, collapse.pair).is_complete())
@@ -188,6 +195,21 @@ impl Oracle for Seams {
 
     fn reads(&self) -> Reads {
         Reads::Pair
+    }
+}
+
+/// No triangle changes its orientation in texture space: what was mirrored stays mirrored, nothing else becomes it. Asked
+/// for every set of texture coordinates, with the wedges that the collapse would give to each triangle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct UvOrientation;
+
+impl Oracle for UvOrientation {
+    fn name(&self) -> &str {
+        "uv orientation"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        surface.keeps_uv_sides(collapse.pair, collapse.position.into())
     }
 }
 
@@ -227,75 +249,6 @@ fn moves_pinch(surface: &Surface, collapse: &Collapse) -> bool {
     let is_free = |point: u32| surface.kind(point) & (kind::BORDER | kind::NON_MANIFOLD) == 0;
     let Pair { lost, kept } = collapse.pair;
     is_pinch(lost) && is_free(kept) || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
-}
-
-/// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
-///
-/// ```text
-///          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
-///      a  /  \ c             The triangles on the edge say a -> c and b -> d.
-///   lost ====== kept
-///      b  \  / d             A wedge without a triangle on the edge, or with two different ones, has nowhere
-///          w2                to go: then the collapse would tear or smear the seam.
-/// ```
-#[derive(Debug, Clone, Default)]
-pub(crate) struct WedgeMap {
-    /// `[from, to]`; a fixed few suffice for legal collapses, more are only counted.
-    pairs: [[u32; 2]; 8],
-    len: usize,
-    complete: bool,
-}
-
-impl WedgeMap {
-    /// The map of a pair joined by an edge.
-    pub fn new(surface: &Surface, pair: Pair) -> Self {
-        let mut map = Self { complete: true, ..Self::default() };
-        // The edge's triangles are found from the side with fewer: the other may be a hub.
-        let turned =
-            surface.valence(pair.lost) > 16 && surface.valence(pair.kept) < surface.valence(pair.lost);
-        let (point, other) = if turned { (pair.kept, pair.lost) } else { (pair.lost, pair.kept) };
-        for corner in surface.star(point) {
-            let Some(side) = corner.others.iter().position(|&o| o == other) else { continue };
-            let vertices = surface.corner_vertices(corner.triangle);
-            let near = vertices[corner.slot as usize];
-            let far = vertices[(corner.slot as usize + 1 + side) % 3];
-            let (from, to) = if turned { (far, near) } else { (near, far) };
-            match map.get(from) {
-                Some(known) => map.complete &= known == to,
-                None => map.push(from, to),
-            }
-        }
-        if map.complete {
-            map.complete = surface.star(pair.lost).all(|corner| {
-                map.get(surface.corner_vertices(corner.triangle)[corner.slot as usize]).is_some()
-            });
-        }
-        map
-    }
-
-    /// Whether every wedge has exactly one to go to.
-    pub fn is_complete(&self) -> bool {
-        self.complete
-    }
-
-    /// Where a wedge goes.
-    pub fn get(&self, from: u32) -> Option<u32> {
-        self.pairs().iter().find(|pair| pair[0] == from).map(|pair| pair[1])
-    }
-
-    /// All `[from, to]`.
-    pub fn pairs(&self) -> &[[u32; 2]] {
-        &self.pairs[..self.len]
-    }
-
-    fn push(&mut self, from: u32, to: u32) {
-        if self.len < self.pairs.len() {
-            self.pairs[self.len] = [from, to];
-            self.len += 1;
-        } else {
-            self.complete = false;
-        }
-    }
 }
 
 /// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1 in the reading that the only

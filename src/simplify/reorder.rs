@@ -9,8 +9,9 @@ use crate::mesh::NONE;
 use super::options::Limits;
 use super::sequence::CollapseSequence;
 
-/// Sorts the steps of every batch by rank, stably. O(steps + vertices + triangles).
-pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
+/// Sorts the steps of every batch by rank, stably; their former numbers in the new order. O(steps + vertices +
+/// triangles).
+pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) -> Vec<u32> {
     let steps = sequence.step_error.len();
     let mut order: Vec<u32> = (0..steps as u32).collect();
     let mut start = 0;
@@ -66,6 +67,7 @@ pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
         left -= gone;
         *after = left;
     }
+    order
 }
 
 /// Cuts a sequence after the first step at which the targets are reached. `vertices` is how many a triangle uses at

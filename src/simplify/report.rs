@@ -1,5 +1,7 @@
 //! What a simplification reached, and why it stopped.
 
+use super::permissive::GivenUp;
+
 /// Why a simplification stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -47,4 +49,6 @@ pub struct SimplifyReport {
     pub error: f32,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
+    /// Collapses by which seams, creases and material borders gave ([`Permissive`](super::Permissive)).
+    pub given_up: GivenUp,
 }

@@ -15,6 +15,7 @@ use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
 
 use super::attribute_deviation::{AttributeDeviation, deviations};
 use super::footprint::{self, Place};
+use super::keep_sides::keep_sides;
 use super::refit::refit;
 use super::report::SimplifyReport;
 use super::solved::solve_new;
@@ -278,7 +279,8 @@ impl CollapseSequence {
         if steps == 0 || !self.fits(mesh) {
             return level;
         }
-        let attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
+        let mut attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
+        keep_sides(level.positions(), level.triangles(), level.attributes(), &mut attributes);
         level.with_attributes(attributes)
     }
 
@@ -354,7 +356,11 @@ impl CollapseSequence {
         };
         let mut attributes: Vec<Attribute> =
             mesh.attributes().iter().map(|a| self.attribute(a, vertices)).collect();
-        solve_new(self, mesh, vertices, &mut attributes);
+        if !self.solved.is_empty() && !self.new_vertices.is_empty() {
+            let blended = attributes.clone();
+            solve_new(self, mesh, vertices, &mut attributes);
+            keep_sides(&positions, &triangles, &blended, &mut attributes);
+        }
         let names = mesh.material_names().to_vec();
         Mesh::from_trusted(positions, triangles, attributes, materials, names, locks).at_origin_of(mesh)
     }

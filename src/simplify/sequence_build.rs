@@ -169,6 +169,7 @@ impl CollapseSequence {
                 vertices: 0,
                 error: 0.0,
                 refusals: Vec::new(),
+                given_up: Default::default(),
             },
         };
         let mut place = vec![NONE; inputs];

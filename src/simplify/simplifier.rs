@@ -8,6 +8,7 @@ use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
 use super::options::{AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
+use super::permissive::Permissive;
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
@@ -44,6 +45,7 @@ pub(super) struct Settings {
     pub placement: Placement,
     pub order: Order,
     pub measure: ErrorMeasure,
+    pub permissive: Permissive,
     /// Object units.
     pub join_distance: f32,
     pub tolerances: Tolerances,
@@ -108,6 +110,14 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn error_measure(mut self, measure: ErrorMeasure) -> Self {
         self.settings.measure = measure;
+        self
+    }
+
+    /// Whether seams, creases and material borders may give, and when. Default: [`Permissive::Auto`], before a size is
+    /// missed.
+    #[must_use]
+    pub fn permissive(mut self, permissive: Permissive) -> Self {
+        self.settings.permissive = permissive;
         self
     }
 

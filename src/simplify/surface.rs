@@ -17,6 +17,7 @@ use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
 use super::stars::Stars;
+use super::wedge_values::WedgeValues;
 
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
 /// that brings the longest side of the mesh's box into [0.5, 1).
@@ -88,6 +89,12 @@ pub struct Surface {
     point_vertex: Vec<u32>,
     pub(super) materials: Vec<u32>,
     pub(super) kinds: Vec<u8>,
+    /// The kinds of edges that must stay edges.
+    pub(super) held: u8,
+    /// Values that tell wedges apart, where there are any.
+    pub(super) values: WedgeValues,
+    /// Whether a wedge that has nowhere to go may move along with its point, as a new vertex.
+    pub(super) moves_wedges: bool,
     stars: Stars,
     live: usize,
     live_points: usize,
@@ -100,6 +107,8 @@ pub(super) struct Scratch {
     pub(super) moved: Vec<u32>,
     pub(super) neighbours: Vec<u32>,
     pub(super) seen: Vec<Seen>,
+    /// Edges around a point: the other point, and the vertices at both ends.
+    pub(super) ends: Vec<[u32; 3]>,
 }
 
 impl Surface {
@@ -135,6 +144,9 @@ impl Surface {
             point_vertex: topology.vertex_of_point().to_vec(),
             materials: mesh.materials().to_vec(),
             kinds: vec![0; points],
+            held: kind::FEATURE,
+            values: WedgeValues::new(mesh, !one_wedge),
+            moves_wedges: false,
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
             live,
@@ -200,6 +212,11 @@ impl Surface {
     /// Whether some point has several wedges.
     pub fn has_seams(&self) -> bool {
         !self.corner_vertices.is_empty()
+    }
+
+    /// Whether triangles have materials.
+    pub(super) fn has_materials(&self) -> bool {
+        !self.materials.is_empty()
     }
 
     /// The vertex of a point that has one wedge.
@@ -367,6 +384,7 @@ impl Surface {
         }
         self.stars.clear(lost);
         self.stars.append(kept, &moved);
+        self.kinds[kept as usize] |= self.kinds[lost as usize] & kind::WEDGES;
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
     }

@@ -158,6 +158,7 @@ impl Build {
             "memory_percent": share,
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
             "seconds": seconds,
             "warnings": notes,
         });
@@ -175,6 +176,9 @@ impl Build {
         table.row("error of coarsest", error_text(error, percent(error, diagonal)));
         let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
         table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })
@@ -201,6 +205,7 @@ impl Build {
             "steps": sequence.len(),
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
             "seconds": seconds,
             "warnings": notes,
         });
@@ -211,6 +216,9 @@ impl Build {
         table.row("input", input_text);
         table.row("output", format!("{}: {bytes} bytes", self.output.display()));
         info::hierarchy_rows(&mut table, &bundle);
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })

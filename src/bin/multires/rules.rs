@@ -7,7 +7,8 @@ use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, Guard, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Order, Permissive, Placement, Refusal, Simplifier,
+    SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
@@ -47,6 +48,10 @@ pub struct Rules {
     /// Snap positions within this distance (object units) of each other to one before anything else.
     #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
     pub weld: f64,
+    /// Whether seams, creases and borders between materials may give: never, where it costs least, or only before a size
+    /// asked for is missed.
+    #[arg(long, value_name = "W", value_enum, default_value_t = Gives::Auto)]
+    pub permissive: Gives,
     /// Neither move nor remove vertices on open borders.
     #[arg(long)]
     pub lock_borders: bool,
@@ -136,6 +141,14 @@ pub enum Measure {
     Travel,
     Measured,
     Verified,
+}
+
+/// Whether seams and the like may give.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Gives {
+    Off,
+    On,
+    Auto,
 }
 
 /// Which attributes count.
@@ -257,6 +270,11 @@ impl Rules {
             .placement(placement)
             .order(order)
             .error_measure(measure)
+            .permissive(match self.permissive {
+                Gives::Off => Permissive::Off,
+                Gives::On => Permissive::On,
+                Gives::Auto => Permissive::Auto,
+            })
             .attributes(self.attributes.clone())
             .join_distance(self.join_distance as f32)
             .tolerances(self.weld_tolerance.tolerances.clone())
@@ -284,6 +302,7 @@ impl Rules {
             ("weld_tolerance", json!(self.weld_tolerance.text)),
             ("weld", json!(self.weld)),
             ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
+            ("permissive", json!(self.permissive_name())),
         ]
     }
 
@@ -305,6 +324,14 @@ impl Rules {
             Measure::Travel => "travel",
             Measure::Measured => "measured",
             Measure::Verified => "verified",
+        }
+    }
+
+    fn permissive_name(&self) -> &'static str {
+        match self.permissive {
+            Gives::Off => "off",
+            Gives::On => "on",
+            Gives::Auto => "auto",
         }
     }
 
@@ -342,6 +369,21 @@ impl Rules {
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
     report.refusals.iter().map(one).collect()
+}
+
+/// What was given up, for JSON.
+pub fn given_up(report: &SimplifyReport) -> Value {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    json!({ "seams": seams, "creases": creases, "materials": materials })
+}
+
+/// The same for people; `None` where nothing was.
+pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    let parts = [(seams, "seams"), (creases, "creases"), (materials, "material borders")];
+    let some = parts.iter().filter(|part| part.0 > 0);
+    let list: Vec<String> = some.map(|(count, what)| format!("{what} by {count} collapses")).collect();
+    (!list.is_empty()).then(|| list.join(", "))
 }
 
 /// Why a simplification stopped.

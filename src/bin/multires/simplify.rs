@@ -16,8 +16,9 @@ use crate::rules::{self, Rules, not_negative, share};
 
 /// Simplify a mesh until a target is reached; with several targets, the first one.
 ///
-/// Topology, borders, seams and materials are kept. Where that leaves no legal collapse before the target is reached,
-/// the mesh is written as it is then, and a warning says which rules stood in the way.
+/// Topology and borders are kept, and seams and materials as far as a size asked for allows: see --permissive. Where no
+/// legal collapse is left before the target is reached, the mesh is written as it is then, and a warning says which
+/// rules stood in the way.
 #[derive(Args)]
 pub struct Simplify {
     /// The mesh file to read.
@@ -138,6 +139,7 @@ impl Run for Simplify {
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
             "refusals": rules::refusals(report),
+            "given_up": rules::given_up(report),
             "seconds": seconds,
             "warnings": warnings,
         });
@@ -156,6 +158,9 @@ impl Run for Simplify {
             );
         }
         table.row("stopped by", rules::stop_name(report.stop));
+        if let Some(given_up) = rules::given_up_text(report) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings })

@@ -4,6 +4,7 @@ use crate::mesh::Mesh;
 
 use super::super::candidates::Candidate;
 use super::super::metric::ErrorMetric;
+use super::super::permissive::GivenUp;
 use super::super::reorder;
 use super::super::report::{Refusal, SimplifyReport, StopReason};
 use super::super::sequence::CollapseSequence;
@@ -64,14 +65,27 @@ impl<M: ErrorMetric> Engine<'_, M> {
             let (count, standing) = (self.watch.refused, self.watch.standing);
             refusals.push(Refusal { oracle: "guard".to_owned(), count, standing });
         }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
+        let report = SimplifyReport {
+            stop,
+            steps: 0,
+            triangles: 0,
+            vertices: 0,
+            error: 0.0,
+            refusals,
+            given_up: GivenUp::default(),
+        };
         let mut sequence = self.recorder.finish(report);
         if !sequence.new_vertices.is_empty() {
             sequence.solved = self.metric.attribute_names().to_vec();
         }
         if self.tiled {
-            reorder::sort_by_rank(&mut sequence, &self.ranks);
+            let order = reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
+            // Nothing is noted before the first step that gives something up.
+            let given = order[..sequence.len()].iter().filter_map(|&step| self.given.get(step as usize));
+            given.for_each(|&given| sequence.report.given_up.add(given));
+        } else {
+            self.given.iter().for_each(|&given| sequence.report.given_up.add(given));
         }
         sequence.fill_report(mesh);
         sequence

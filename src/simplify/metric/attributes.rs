@@ -18,8 +18,8 @@ use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair
 use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
-use crate::simplify::oracle::WedgeMap;
 use crate::simplify::surface::Surface;
+use crate::simplify::wedge_map::WedgeMap;
 
 /// Which attributes count, and how much.
 ///
@@ -710,7 +710,7 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }
-    if surface.kind(pair.lost) & kind::FEATURE == 0 {
+    if surface.kind(pair.lost) & kind::WEDGES == 0 {
         // One wedge: any triangle on the edge tells.
         for corner in surface.star(pair.lost) {
             if let Some(side) = corner.others.iter().position(|&o| o == pair.kept) {
@@ -720,7 +720,12 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
             }
         }
     }
-    let map = WedgeMap::new(surface, pair);
+    // While seams hold, a wedge without a partner makes the collapse illegal whatever it costs.
+    let map = if surface.holds(kind::SEAM) {
+        WedgeMap::new(surface, pair)
+    } else {
+        WedgeMap::chosen(surface, pair)
+    };
     map.pairs().iter().for_each(|&[from, to]| visit(from, to));
     if map.pairs().is_empty() {
         // No edge: two parts are being joined, and one wedge stands for all.
