@@ -23,6 +23,8 @@ pub(crate) mod kind {
     pub const CURVE: u8 = 32;
     /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
     pub const IRREGULAR: u8 = 64;
+    /// On a curve of the input, or on what became of one (`curves.rs`).
+    pub const ON_CURVE: u8 = 128;
     /// Any edge that must stay an edge.
     pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
@@ -90,7 +92,7 @@ impl Surface {
     /// Finds what a point is by one walk over its star, with marks: O(valence).
     fn classify_point(&mut self, point: u32) {
         if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
-            self.kinds[point as usize] &= kind::LOCKED;
+            self.kinds[point as usize] &= kind::LOCKED | kind::ON_CURVE;
             return;
         }
         let mut seen = std::mem::take(&mut self.scratch.seen);
@@ -116,7 +118,7 @@ impl Surface {
                 }
             }
         }
-        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED, 0u32);
+        let (mut bits, mut features) = (self.kinds[point as usize] & (kind::LOCKED | kind::ON_CURVE), 0u32);
         for &n in &neighbours {
             let entry = &seen[n as usize];
             let edge = match entry.count {

@@ -415,7 +415,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
         if self.limits.error.is_finite() {
             let error = self.errors.measure(&self.surface, &self.patch, pair, x);
-            if self.surface.frame().object_length(error) > self.limits.error {
+            if self.surface.frame().object_length(error.largest()) > self.limits.error {
                 self.too_far += 1;
                 return Attempt::Refused;
             }
@@ -455,7 +455,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);
-        let error = self.surface.frame().object_length(error);
+        let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
         // Ranks matter from the first tile on; without tiles they ascend by themselves.
         self.tiled |= self.queue.is_tiled();

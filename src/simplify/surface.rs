@@ -16,6 +16,7 @@ use glam::Vec3;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
+use super::curves::Curves;
 use super::stars::Stars;
 
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
@@ -89,6 +90,7 @@ pub struct Surface {
     pub(super) materials: Vec<u32>,
     pub(super) kinds: Vec<u8>,
     stars: Stars,
+    curves: Curves,
     live: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
@@ -137,12 +139,17 @@ impl Surface {
             kinds: vec![0; points],
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
+            curves: Curves::default(),
             live,
             scratch: Scratch::default(),
         };
         surface.classify();
         for (vertex, _) in mesh.locks().iter().enumerate().filter(|&(_, &locked)| locked) {
             surface.kinds[point_of[vertex] as usize] |= kind::LOCKED;
+        }
+        surface.curves = Curves::new(&surface);
+        for edge in 0..surface.curves.edge_count() as u32 {
+            surface.curves.ends(edge).iter().for_each(|&p| surface.kinds[p as usize] |= kind::ON_CURVE);
         }
         surface
     }
@@ -309,6 +316,33 @@ impl Surface {
         self.kind(point) & kind::MATERIAL != 0
     }
 
+    /// Whether a point lies on a curve: a border, non-manifold edge, seam, border between materials or crease of the
+    /// input, or what has become of one.
+    #[inline]
+    pub fn is_on_curve(&self, point: u32) -> bool {
+        self.kind(point) & kind::ON_CURVE != 0
+    }
+
+    /// Whether the edge between two points belongs to a curve.
+    #[inline]
+    pub fn is_curve_edge(&self, u: u32, v: u32) -> bool {
+        self.kind(u) & self.kind(v) & kind::ON_CURVE != 0 && self.curves.find(u, v).is_some()
+    }
+
+    /// Calls `visit` with the other end of every curve edge at a point that is a rim: no mere seam.
+    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32)) {
+        for [edge, other] in self.curves.around(point) {
+            if self.curves.is_rim(edge) {
+                visit(other);
+            }
+        }
+    }
+
+    /// The curves, as they are now.
+    pub(super) fn curves(&self) -> &Curves {
+        &self.curves
+    }
+
     /// Whether the caller locked a vertex at this point.
     pub fn is_locked(&self, point: u32) -> bool {
         self.kind(point) & kind::LOCKED != 0
@@ -358,6 +392,10 @@ impl Surface {
         }
         self.stars.clear(lost);
         self.stars.append(kept, &moved);
+        if self.kinds[lost as usize] & kind::ON_CURVE != 0 {
+            self.kinds[kept as usize] |= kind::ON_CURVE;
+            self.curves.merge(lost, kept);
+        }
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
     }

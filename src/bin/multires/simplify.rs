@@ -109,6 +109,8 @@ impl Run for Simplify {
             "ratio": share.map(|p| p / 100.0),
             "error": report.error,
             "error_percent": error_percent,
+            "surface_error": report.surface_error,
+            "curve_error": report.curve_error,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
             "refusals": rules::refusals(report),
@@ -122,6 +124,9 @@ impl Run for Simplify {
         table.row("output", files::describe_text(&self.output, &level));
         table.row("kept", format!("{:.2} % of the triangles", share.unwrap_or(100.0)));
         table.row("error", error_text(f64::from(report.error), error_percent));
+        let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
+        table.row("of the surface", error_text(surface, percent(surface, diagonal)));
+        table.row("of its curves", error_text(curves, percent(curves, diagonal)));
         table.row("stopped by", rules::stop_name(report.stop));
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));

@@ -46,12 +46,13 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
-        let mut sequence = self.recorder.finish(report);
+        let report = SimplifyReport { refusals, ..SimplifyReport::new(stop) };
+        let (mut sequence, mut parts) = self.recorder.finish(report);
         if self.tiled {
-            reorder::sort_by_rank(&mut sequence, &self.ranks);
+            reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
         }
+        sequence.tell_apart(&parts);
         sequence.fill_report(mesh);
         sequence
     }
