@@ -10,33 +10,35 @@ use super::surface::{Corner, Surface};
 /// What a point is, as bits.
 pub(crate) mod kind {
     /// On an open border.
-    pub const BORDER: u8 = 1;
+    pub const BORDER: u16 = 1;
     /// On an edge of three or more triangles, or where several fans meet.
-    pub const NON_MANIFOLD: u8 = 2;
+    pub const NON_MANIFOLD: u16 = 2;
     /// On an edge across which the wedge changes.
-    pub const SEAM: u8 = 4;
+    pub const SEAM: u16 = 4;
     /// On an edge between two materials.
-    pub const MATERIAL: u8 = 8;
+    pub const MATERIAL: u16 = 8;
     /// Locked by the caller.
-    pub const LOCKED: u8 = 16;
+    pub const LOCKED: u16 = 16;
     /// Exactly two feature edges meet here: it may slide along them.
-    pub const CURVE: u8 = 32;
+    pub const CURVE: u16 = 32;
     /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
-    pub const IRREGULAR: u8 = 64;
+    pub const IRREGULAR: u16 = 64;
     /// Its triangles name several vertices. May stay set where they no longer do.
-    pub const WEDGES: u8 = 128;
+    pub const WEDGES: u16 = 128;
+    /// On a curve of the input, or on what became of one (`curves.rs`).
+    pub const ON_CURVE: u16 = 256;
     /// Any edge that must stay an edge.
-    pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
+    pub const FEATURE: u16 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
 impl Surface {
     /// Whether edges of this kind must stay edges.
-    pub(crate) fn holds(&self, bit: u8) -> bool {
+    pub(crate) fn holds(&self, bit: u16) -> bool {
         self.held & bit != 0
     }
 
     /// Lets edges of this kind go: from now on they count as ordinary ones. O(corners).
-    pub(super) fn release(&mut self, bit: u8) {
+    pub(super) fn release(&mut self, bit: u16) {
         self.held &= !bit;
         self.classify();
     }
@@ -103,19 +105,19 @@ impl Surface {
     /// Finds what a point is by one walk over its star, with marks: O(valence).
     fn classify_point(&mut self, point: u32) {
         if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
-            self.kinds[point as usize] &= kind::LOCKED;
+            self.kinds[point as usize] &= kind::LOCKED | kind::ON_CURVE;
             return;
         }
         self.kinds[point as usize] = self.walk_star(point, self.held);
     }
 
     /// What a point would be if edges of every kind had to stay. O(valence).
-    pub(super) fn kind_if_held(&mut self, point: u32) -> u8 {
+    pub(super) fn kind_if_held(&mut self, point: u32) -> u16 {
         self.walk_star(point, kind::FEATURE)
     }
 
     /// What a point is where edges of the kinds in `held` must stay.
-    fn walk_star(&mut self, point: u32, held: u8) -> u8 {
+    fn walk_star(&mut self, point: u32, held: u16) -> u16 {
         let mut seen = std::mem::take(&mut self.scratch.seen);
         let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
         neighbours.clear();
@@ -146,7 +148,8 @@ impl Surface {
                 }
             }
         }
-        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED | wedges, 0u32);
+        let (mut bits, mut features) =
+            (self.kinds[point as usize] & (kind::LOCKED | kind::ON_CURVE) | wedges, 0u32);
         for &n in &neighbours {
             let entry = &seen[n as usize];
             let edge = match entry.count {
@@ -199,12 +202,12 @@ impl Surface {
     }
 
     /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
-    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
+    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u16> {
         self.edge_kind_if_held(u, v).map(|bits| bits & self.held)
     }
 
     /// What an edge would be if edges of every kind had to stay.
-    pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u8> {
+    pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u16> {
         // From the side with fewer triangles: the other may be a hub.
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
@@ -280,5 +283,5 @@ pub(super) struct Seen {
     follow: u32,
     first: [u32; 2],
     material: u32,
-    bits: u8,
+    bits: u16,
 }

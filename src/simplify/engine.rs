@@ -262,7 +262,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
-    fn release(&mut self, bit: u8) {
+    fn release(&mut self, bit: u16) {
         self.surface.release(bit);
         self.given.resize(self.recorder.steps(), 0);
         // Later steps stay behind earlier ones, though costs start again.
@@ -555,11 +555,11 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let guard = self.guard_limit();
         if self.limits.error.is_finite() || self.may_exceed(guard, pair, x) {
             let error = self.errors.measure(&self.surface, &self.patch, pair, x);
-            if self.surface.frame().object_length(error) > self.limits.error {
+            if self.surface.frame().object_length(error.largest()) > self.limits.error {
                 self.too_far += 1;
                 return Attempt::Refused;
             }
-            if error > guard {
+            if error.surface > guard {
                 self.watch.refuse(guard);
                 self.state[point as usize] |= state::GUARDED;
                 return Attempt::Refused;
@@ -604,7 +604,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.given.push(self.surface.gives_up(pair, object.is_none()));
         }
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
-        self.watch.reached(error);
+        self.watch.reached(error.surface);
         self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
         self.metric.substituting(&self.surface, self.recorder.last(x.into()));
@@ -620,7 +620,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);
-        let error = self.surface.frame().object_length(error);
+        let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
         // Ranks matter from the first tile on; without tiles they ascend by themselves.
         self.tiled |= self.queue.is_tiled();

@@ -4,13 +4,13 @@
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed |
 //! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
 //! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
@@ -21,6 +21,8 @@ mod angles;
 mod attribute_deviation;
 mod candidates;
 mod classify;
+mod curve_witness;
+mod curves;
 mod engine;
 mod errors;
 mod footprint;

@@ -28,7 +28,8 @@ pub enum ErrorMeasure {
     /// the surfaces in both directions and for how far textures slide, but a loose one where the surface is flat: the
     /// fastest, for a sequence of which only the order matters.
     Travel,
-    /// The largest distance of an input point from the level's surface, measured as the surface changes. Tight.
+    /// The largest distance of an input point from the level's surface, and of the curves of input and level from each
+    /// other, measured as they change. Tight.
     #[default]
     Measured,
     /// As `Measured`; and where the metric's costs are squared distances (the quadrics), a collapse that would move

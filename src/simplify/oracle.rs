@@ -215,12 +215,12 @@ impl Oracle for UvOrientation {
 
 /// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
 #[inline]
-fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
     either & bit == 0 || slides_along_curve(surface, collapse, bit, slide)
 }
 
-fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let slides = |pair: Pair| {
         let bits = surface.kind(pair.lost);
         if bits & bit == 0 {

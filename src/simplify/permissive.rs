@@ -82,7 +82,7 @@ impl Surface {
     }
 
     /// The kinds of curves that a point leaves by moving to another.
-    fn leaves_curve(&mut self, from: u32, to: u32) -> u8 {
+    fn leaves_curve(&mut self, from: u32, to: u32) -> u16 {
         let bits = self.kind_if_held(from) & (kind::FEATURE | kind::CURVE);
         let edge = self.edge_kind_if_held(from, to);
         let slides = bits & kind::CURVE != 0 && edge == Some(bits & kind::FEATURE);

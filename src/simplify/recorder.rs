@@ -19,6 +19,8 @@ pub(super) struct Recorder {
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
+    /// Per step the errors of surface and curves; empty where the input has no curves.
+    parts: Vec<[f32; 2]>,
     triangles_after: Vec<u32>,
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
@@ -32,6 +34,7 @@ pub(super) struct Recorder {
     renamed: Vec<[u32; 2]>,
     /// Vertices and substitutions before the last merge.
     before: [usize; 2],
+    has_curves: bool,
 }
 
 impl Recorder {
@@ -67,6 +70,7 @@ impl Recorder {
             substitutions: Vec::with_capacity(steps),
             step_start,
             step_error: Vec::with_capacity(steps),
+            parts: Vec::new(),
             triangles_after,
             triangle_end: (0..mesh.triangles().len()).map(end).collect(),
             batch_end: Vec::new(),
@@ -80,6 +84,7 @@ impl Recorder {
             wedges,
             renamed: Vec::new(),
             before: [0; 2],
+            has_curves: !surface.curves().is_empty(),
         }
     }
 
@@ -229,9 +234,12 @@ impl Recorder {
         start..start + count
     }
 
-    /// Ends the step: what it cost and what vanished.
-    pub fn finish_step(&mut self, error: f32, dead: &[u32], live: usize) {
-        self.step_error.push(error);
+    /// Ends the step: the errors of surface and curves, and what vanished.
+    pub fn finish_step(&mut self, [surface, curve]: [f32; 2], dead: &[u32], live: usize) {
+        self.step_error.push(surface.max(curve));
+        if self.has_curves {
+            self.parts.push([surface, curve]);
+        }
         self.step_start.push(self.substitutions.len() as u32);
         self.triangles_after.push(live as u32);
         let end = self.step_error.len() as u32;
@@ -248,8 +256,9 @@ impl Recorder {
         any
     }
 
-    /// The sequence, in the order it was recorded.
-    pub fn finish(self, report: SimplifyReport) -> CollapseSequence {
+    /// The sequence, in the order it was recorded, and per step the errors of surface and curves; none where the input
+    /// has no curves.
+    pub fn finish(self, report: SimplifyReport) -> (CollapseSequence, Vec<[f32; 2]>) {
         let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
@@ -260,13 +269,15 @@ impl Recorder {
             step_start: self.step_start,
             step_error: self.step_error,
             max_error: Vec::new(),
+            surface_error: Vec::new(),
+            curve_error: Vec::new(),
             triangles_after: self.triangles_after,
             triangle_end: self.triangle_end,
             batch_end: self.batch_end,
             report,
         };
         sequence.accumulate_errors();
-        sequence
+        (sequence, self.parts)
     }
 }
 

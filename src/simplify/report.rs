@@ -45,10 +45,31 @@ pub struct SimplifyReport {
     pub triangles: usize,
     /// Vertices (wedges) left that a triangle uses.
     pub vertices: usize,
-    /// Error bound of the last level, object units.
+    /// Error of the last level, object units: the larger of the next two.
     pub error: f32,
+    /// Error of its surface, object units.
+    pub surface_error: f32,
+    /// Error of its curves, object units: borders, non-manifold edges, seams, borders between materials, and creases.
+    pub curve_error: f32,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
     /// Collapses by which seams, creases and material borders gave ([`Permissive`](super::Permissive)).
     pub given_up: GivenUp,
+}
+
+impl SimplifyReport {
+    /// A report of no steps yet.
+    pub(super) fn new(stop: StopReason) -> Self {
+        Self {
+            stop,
+            steps: 0,
+            triangles: 0,
+            vertices: 0,
+            error: 0.0,
+            surface_error: 0.0,
+            curve_error: 0.0,
+            refusals: Vec::new(),
+            given_up: GivenUp::default(),
+        }
+    }
 }

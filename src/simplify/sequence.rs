@@ -68,6 +68,10 @@ pub struct CollapseSequence {
     pub(crate) step_error: Vec<f32>,
     /// Per step, the largest `step_error` so far.
     pub(crate) max_error: Vec<f32>,
+    /// Per step, the largest errors of the surface and of curves so far. Empty where there are no curves: then the
+    /// surface's are `max_error`, and those of curves 0.
+    pub(crate) surface_error: Vec<f32>,
+    pub(crate) curve_error: Vec<f32>,
     /// Triangles left after k steps; one more than steps.
     pub(crate) triangles_after: Vec<u32>,
     /// Per input triangle the number of steps after which it is gone; 0: degenerate in the input; MAX: never.
@@ -159,10 +163,25 @@ impl CollapseSequence {
         self.step_error.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The error bound of the whole mesh after `steps` steps (all, if there are fewer), object units: never decreases
-    /// with `steps`.
+    /// The error of the whole mesh after `steps` steps (all, if there are fewer), object units: the larger of the next
+    /// two. Never decreases with `steps`.
     pub fn error_after(&self, steps: usize) -> f32 {
         steps.min(self.len()).checked_sub(1).map_or(0.0, |last| self.max_error[last])
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is the surface's, object units.
+    pub fn surface_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        let known = last.and_then(|last| self.surface_error.get(last).copied());
+        known.unwrap_or_else(|| self.error_after(steps))
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is that of curves, object units: borders,
+    /// non-manifold edges, seams, borders between materials, and creases. See [`Simplifier`](super::Simplifier). 0 for
+    /// a sequence that was not made by one.
+    pub fn curve_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        last.and_then(|last| self.curve_error.get(last).copied()).unwrap_or(0.0)
     }
 
     /// Triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
@@ -323,6 +342,8 @@ impl CollapseSequence {
         self.report.triangles = self.triangles_after(steps);
         self.report.vertices = used.iter().filter(|&&used| used).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.surface_error_after(steps);
+        self.report.curve_error = self.curve_error_after(steps);
     }
 
     /// Takes the largest error so far from the errors of the steps.
@@ -333,6 +354,22 @@ impl CollapseSequence {
             largest
         });
         self.max_error = so_far.collect();
+    }
+
+    /// Tells errors of surface and curves apart, from those of each step (as many as steps, or more); `parts` may be
+    /// empty where there are no curves.
+    pub(crate) fn tell_apart(&mut self, parts: &[[f32; 2]]) {
+        let steps = self.len();
+        let largest = |part: usize| -> Vec<f32> {
+            let mut largest: f32 = 0.0;
+            let so_far = parts.iter().take(steps).map(|step| {
+                largest = largest.max(step[part]);
+                largest
+            });
+            so_far.collect()
+        };
+        self.surface_error = largest(0);
+        self.curve_error = largest(1);
     }
 
     /// A mesh of the given vertices of this sequence.

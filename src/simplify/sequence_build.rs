@@ -159,18 +159,12 @@ impl CollapseSequence {
             step_start: vec![0],
             step_error: Vec::new(),
             max_error: Vec::new(),
+            surface_error: Vec::new(),
+            curve_error: Vec::new(),
             triangles_after: Vec::new(),
             triangle_end: vec![0; mesh.triangles().len()],
             batch_end: Vec::new(),
-            report: SimplifyReport {
-                stop: StopReason::NothingLegal,
-                steps: 0,
-                triangles: 0,
-                vertices: 0,
-                error: 0.0,
-                refusals: Vec::new(),
-                given_up: Default::default(),
-            },
+            report: SimplifyReport::new(StopReason::NothingLegal),
         };
         let mut place = vec![NONE; inputs];
         for (substitutions, error) in steps {
@@ -249,6 +243,7 @@ impl CollapseSequence {
         self.report.triangles = base as usize;
         self.report.vertices = used.iter().filter(|&&u| u).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.report.error;
         Ok(self)
     }
 }

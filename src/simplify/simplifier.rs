@@ -18,14 +18,25 @@ use super::sequence::CollapseSequence;
 /// coordinates and colours count where the mesh has them.
 ///
 /// # The error
-/// The error of each step, in object units, is measured: *no vertex that the input's triangles use is farther from the
-/// level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the rounding of single
-/// precision. Every merged point is kept on the part of the surface it lies over, and its distance is taken whenever
-/// that part changes. The error never decreases along the sequence. Other measures: [`ErrorMeasure`].
+/// The error of each step, in object units, is the larger of two that are measured, to within the rounding of single
+/// precision:
 ///
-/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. By samples, the
-/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table). An
-/// input whose triangles are large beside its features deserves a measurement of its own: `quality::distance`.
+/// - *No vertex that the input's triangles use is farther from the level's surface than*
+///   [`surface_error_after`](CollapseSequence::surface_error_after) says. Every merged point is kept on the part of the
+///   surface it lies over, and its distance is taken whenever that part changes.
+/// - *No vertex on a curve of the input is farther from the level's curve, and no point measured along an edge of that
+///   farther from the input's, than* [`curve_error_after`](CollapseSequence::curve_error_after) says. Curves are borders,
+///   non-manifold edges, borders between materials, seams, and creases of more than 41.4 degrees where they draw the
+///   outline of a made thing rather than the relief of a scan. The level's curve is the image of the input's, so a hole
+///   that shrinks, a rim that is cut off and an island that vanishes are told by it, also on a flat face, where the
+///   surface tells nothing. A curve that shrinks to a point counts with its distance from there.
+///
+/// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
+/// at most a few units in the last place of the coordinates (2^-22 of the size of the mesh, rounded to a power of two)
+/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Other measures: [`ErrorMeasure`].
+///
+/// Nothing is claimed between the vertices of the input, nor for the level's surface away from curves. By samples, the
+/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table).
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.

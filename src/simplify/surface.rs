@@ -16,6 +16,7 @@ use glam::Vec3;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
+use super::curves::Curves;
 use super::stars::Stars;
 use super::wedge_values::WedgeValues;
 
@@ -88,14 +89,15 @@ pub struct Surface {
     /// Current vertex of each point (its lowest wedge where there are several).
     point_vertex: Vec<u32>,
     pub(super) materials: Vec<u32>,
-    pub(super) kinds: Vec<u8>,
+    pub(super) kinds: Vec<u16>,
     /// The kinds of edges that must stay edges.
-    pub(super) held: u8,
+    pub(super) held: u16,
     /// Values that tell wedges apart, where there are any.
     pub(super) values: WedgeValues,
     /// Whether a wedge that has nowhere to go may move along with its point, as a new vertex.
     pub(super) moves_wedges: bool,
     stars: Stars,
+    curves: Curves,
     live: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
@@ -149,12 +151,17 @@ impl Surface {
             moves_wedges: false,
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
+            curves: Curves::default(),
             live,
             scratch: Scratch::default(),
         };
         surface.classify();
         for (vertex, _) in mesh.locks().iter().enumerate().filter(|&(_, &locked)| locked) {
             surface.kinds[point_of[vertex] as usize] |= kind::LOCKED;
+        }
+        surface.curves = Curves::new(&surface);
+        for edge in 0..surface.curves.edge_count() as u32 {
+            surface.curves.ends(edge).iter().for_each(|&p| surface.kinds[p as usize] |= kind::ON_CURVE);
         }
         surface
     }
@@ -305,7 +312,7 @@ impl Surface {
     }
 
     #[inline]
-    pub(crate) fn kind(&self, point: u32) -> u8 {
+    pub(crate) fn kind(&self, point: u32) -> u16 {
         self.kinds[point as usize]
     }
 
@@ -327,6 +334,33 @@ impl Surface {
     /// Whether a point lies on an edge between two materials.
     pub fn is_material_border(&self, point: u32) -> bool {
         self.kind(point) & kind::MATERIAL != 0
+    }
+
+    /// Whether a point lies on a curve: a border, non-manifold edge, seam, border between materials or crease of the
+    /// input, or what has become of one.
+    #[inline]
+    pub fn is_on_curve(&self, point: u32) -> bool {
+        self.kind(point) & kind::ON_CURVE != 0
+    }
+
+    /// Whether the edge between two points belongs to a curve.
+    #[inline]
+    pub fn is_curve_edge(&self, u: u32, v: u32) -> bool {
+        self.kind(u) & self.kind(v) & kind::ON_CURVE != 0 && self.curves.find(u, v).is_some()
+    }
+
+    /// Calls `visit` with the other end of every curve edge at a point that is a rim: no mere seam.
+    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32)) {
+        for [edge, other] in self.curves.around(point) {
+            if self.curves.is_rim(edge) {
+                visit(other);
+            }
+        }
+    }
+
+    /// The curves, as they are now.
+    pub(super) fn curves(&self) -> &Curves {
+        &self.curves
     }
 
     /// Whether the caller locked a vertex at this point.
@@ -385,6 +419,10 @@ impl Surface {
         self.stars.clear(lost);
         self.stars.append(kept, &moved);
         self.kinds[kept as usize] |= self.kinds[lost as usize] & kind::WEDGES;
+        if self.kinds[lost as usize] & kind::ON_CURVE != 0 {
+            self.kinds[kept as usize] |= kind::ON_CURVE;
+            self.curves.merge(lost, kept);
+        }
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
     }

@@ -151,6 +151,11 @@ impl Witnesses {
         }
     }
 
+    /// Area per input point.
+    pub fn share(&self) -> f32 {
+        self.share
+    }
+
     /// The largest distance of a witness of the patch from the patch that merging `pair` at `x` would make, inner
     /// units.
     pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {

@@ -136,6 +136,8 @@ impl Run for Simplify {
             "error_percent": error_percent,
             "attribute_values": self.attribute_values.name(),
             "attribute_deviations": deviations.iter().map(deviation).collect::<Vec<_>>(),
+            "surface_error": report.surface_error,
+            "curve_error": report.curve_error,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
             "refusals": rules::refusals(report),
@@ -157,6 +159,9 @@ impl Run for Simplify {
                 format!("{:.3} {unit} (mean), {:.3} (most)", d.mean, d.max),
             );
         }
+        let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
+        table.row("of the surface", error_text(surface, percent(surface, diagonal)));
+        table.row("of its curves", error_text(curves, percent(curves, diagonal)));
         table.row("stopped by", rules::stop_name(report.stop));
         if let Some(given_up) = rules::given_up_text(report) {
             table.row("gave", given_up);

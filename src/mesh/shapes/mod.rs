@@ -6,6 +6,7 @@
 //! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
 //! | `nature.rs` | fractal terrain and rocks |
 //! | `awkward.rs` | the smallest meshes that break careless code |
+//! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
@@ -18,6 +19,7 @@
 //! to what a [`Mesh`] can hold, and lengths that are not positive and finite are replaced; each function says how.
 
 mod awkward;
+mod cad;
 mod demo;
 mod nature;
 mod noise;
@@ -26,6 +28,10 @@ mod solids;
 mod tubes;
 
 pub use awkward::{book, bowtie, hub, pillow, plane, soup, spindle, tetrahedron, two_spheres_touching};
+pub use cad::{
+    cad_part, cut_in_four, gear, lettering, plate_with_hole, plate_with_seam_island, pocketed_block,
+    ring_with_ramps, stepped_shaft, two_material_plate, washer,
+};
 pub use demo::demo;
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};

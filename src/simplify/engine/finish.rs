@@ -4,7 +4,6 @@ use crate::mesh::Mesh;
 
 use super::super::candidates::Candidate;
 use super::super::metric::ErrorMetric;
-use super::super::permissive::GivenUp;
 use super::super::reorder;
 use super::super::report::{Refusal, SimplifyReport, StopReason};
 use super::super::sequence::CollapseSequence;
@@ -27,7 +26,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                     {
                         let guard = self.guard_limit();
                         if self.may_exceed(guard, pair, x)
-                            && self.errors.measure(&self.surface, &self.patch, pair, x) > guard
+                            && self.errors.measure(&self.surface, &self.patch, pair, x).surface > guard
                         {
                             self.watch.standing += 1;
                         }
@@ -65,21 +64,13 @@ impl<M: ErrorMetric> Engine<'_, M> {
             let (count, standing) = (self.watch.refused, self.watch.standing);
             refusals.push(Refusal { oracle: "guard".to_owned(), count, standing });
         }
-        let report = SimplifyReport {
-            stop,
-            steps: 0,
-            triangles: 0,
-            vertices: 0,
-            error: 0.0,
-            refusals,
-            given_up: GivenUp::default(),
-        };
-        let mut sequence = self.recorder.finish(report);
+        let report = SimplifyReport { refusals, ..SimplifyReport::new(stop) };
+        let (mut sequence, mut parts) = self.recorder.finish(report);
         if !sequence.new_vertices.is_empty() {
             sequence.solved = self.metric.attribute_names().to_vec();
         }
         if self.tiled {
-            let order = reorder::sort_by_rank(&mut sequence, &self.ranks);
+            let order = reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
             // Nothing is noted before the first step that gives something up.
             let given = order[..sequence.len()].iter().filter_map(|&step| self.given.get(step as usize));
@@ -87,6 +78,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         } else {
             self.given.iter().for_each(|&given| sequence.report.given_up.add(given));
         }
+        sequence.tell_apart(&parts);
         sequence.fill_report(mesh);
         sequence
     }

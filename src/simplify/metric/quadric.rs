@@ -12,7 +12,6 @@ use glam::{Vec3, Vec4};
 
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::classify::kind;
 use crate::simplify::lanes::Lanes;
 use crate::simplify::surface::Surface;
 
@@ -92,7 +91,7 @@ impl PlaneQuadric {
 }
 
 /// The accumulated quadric: every point carries the squared distances to the planes of all input triangles that were
-/// merged into it, weighted by their area, and to planes upright on borders and feature edges.
+/// merged into it, weighted by their area, and to planes upright on borders, feature edges and creases.
 #[derive(Debug, Clone, Default)]
 pub struct Quadric {
     /// Verified costs are sums and must be compared with sums.
@@ -219,10 +218,7 @@ fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
         }
         for i in 0..3 {
             let (u, v) = (points[i], points[(i + 1) % 3]);
-            if surface.kind(u) & kind::FEATURE == 0 || surface.kind(v) & kind::FEATURE == 0 {
-                continue;
-            }
-            if surface.is_feature_edge(u, v) {
+            if surface.is_curve_edge(u, v) {
                 let edge = surface.at(v) - surface.at(u);
                 let length_squared = edge.length_squared();
                 let upright = edge.cross(normal).normalize_or_zero();
@@ -240,5 +236,5 @@ fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
 /// much as a distance of a hundred-thousandth of it over the whole.
 const LENGTH_WEIGHT: f32 = 1e-10;
 
-/// Weight of the plane upright on a border or feature edge, per squared length.
+/// Weight of the plane upright on a border, feature edge or crease, per squared length.
 const EDGE_WEIGHT: f32 = 4.0;
