@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
+//! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
@@ -21,6 +22,7 @@ mod errors;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
+mod normals;
 mod options;
 pub mod oracle;
 mod pairs;
@@ -35,6 +37,7 @@ mod report;
 mod sequence;
 mod sequence_build;
 mod sequence_check;
+mod sheets;
 mod simplifier;
 mod stars;
 mod surface;
@@ -42,6 +45,7 @@ mod travel;
 mod witness;
 
 pub use metric::{Batch, ErrorMetric, Pair};
+pub use normals::{Normals, NormalsDone};
 pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};

@@ -176,6 +176,8 @@ fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bo
 ///      b  \  / d             A wedge without a triangle on the edge, or with two different ones, has nowhere
 ///          w2                to go: then the collapse would tear or smear the seam.
 /// ```
+///
+/// Every layer of a sheet has wedges of its own, which the same layer's triangles map.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct WedgeMap {
     /// `[from, to]`; a fixed few suffice for legal collapses, more are only counted.
@@ -190,17 +192,19 @@ impl WedgeMap {
         let mut map = Self { complete: true, ..Self::default() };
         for corner in surface.star(pair.lost) {
             let Some(side) = corner.others.iter().position(|&o| o == pair.kept) else { continue };
-            let vertices = surface.corner_vertices(corner.triangle);
-            let from = vertices[corner.slot as usize];
-            let to = vertices[(corner.slot as usize + 1 + side) % 3];
-            match map.get(from) {
-                Some(known) => map.complete &= known == to,
-                None => map.push(from, to),
+            let slot = corner.slot as usize;
+            for layer in surface.layers(corner.triangle) {
+                let (from, to) = (layer.vertices[slot], layer.vertices[(slot + 1 + side) % 3]);
+                match map.get(from) {
+                    Some(known) => map.complete &= known == to,
+                    None => map.push(from, to),
+                }
             }
         }
         for corner in surface.star(pair.lost) {
-            let from = surface.corner_vertices(corner.triangle)[corner.slot as usize];
-            map.complete &= map.get(from).is_some();
+            for layer in surface.layers(corner.triangle) {
+                map.complete &= map.get(layer.vertices[corner.slot as usize]).is_some();
+            }
         }
         map
     }

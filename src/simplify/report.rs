@@ -1,5 +1,7 @@
 //! What a simplification reached, and why it stopped.
 
+use super::NormalsDone;
+
 /// Why a simplification stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -42,6 +44,8 @@ pub struct SimplifyReport {
     pub vertices: usize,
     /// Error bound of the last level, object units.
     pub error: f32,
+    /// What became of normals.
+    pub normals: NormalsDone,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
 }

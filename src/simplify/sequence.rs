@@ -9,8 +9,9 @@
 //! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
 //! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
 
-use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+use crate::mesh::{Attribute, Blender, Mesh, NONE};
 
+use super::NormalsDone;
 use super::report::SimplifyReport;
 
 /// A vertex that a collapse made: a blend of two others.
@@ -201,13 +202,17 @@ impl CollapseSequence {
 
     /// The level of detail after `steps` steps (all, if there are fewer) as a mesh of its own, with attributes,
     /// materials and locks. Only vertices that a triangle uses are kept, in order of first use; after 0 steps the input
-    /// itself. Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
+    /// itself. Normals are recomputed or dropped as the report says; vertices between two smoothing groups are split then.
+    /// Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
     pub fn extract(&self, mesh: &Mesh, steps: usize) -> Mesh {
         if !self.fits(mesh) {
             return Mesh::default();
         }
         if steps == 0 {
-            return mesh.clone();
+            return match self.report.normals {
+                NormalsDone::Dropped => mesh.without_normals(),
+                _ => mesh.clone(),
+            };
         }
         let (mut triangles, origin) = self.triangles_at(mesh, steps);
         let mut number = vec![NONE; self.vertex_count()];
@@ -225,7 +230,7 @@ impl CollapseSequence {
         } else {
             origin.iter().map(|&t| mesh.materials()[t as usize]).collect()
         };
-        self.assemble(mesh, &used, triangles, materials)
+        self.report.normals.finish(self.assemble(mesh, &used, triangles, materials))
     }
 
     /// Says in the report what the last step reached. O(input).
@@ -272,58 +277,17 @@ impl CollapseSequence {
         } else {
             vertices.iter().map(|&v| mesh.locks().get(v as usize).copied().unwrap_or(false)).collect()
         };
-        let attributes = mesh.attributes().iter().map(|a| self.attribute(a, vertices)).collect();
+        let attributes = self.attributes(mesh, vertices);
         Mesh::from_trusted(positions, triangles, attributes, materials, mesh.material_names().to_vec(), locks)
     }
 
-    /// The values of one attribute at the given vertices; new vertices blend floats and copy labels from the nearer.
-    fn attribute(&self, source: &Attribute, vertices: &[u32]) -> Attribute {
-        let width = source.width();
-        let label = |new: &NewVertex| new.from[usize::from(new.weight > 0.5)] as usize * width;
-        let values = match source.values() {
-            AttributeValues::Float(v) => {
-                AttributeValues::Float(self.arrange(v, width, vertices, |all, new| {
-                    let first = all.len();
-                    let [a, b] = new.from.map(|v| v as usize * width);
-                    for i in 0..width {
-                        let (a, b) = (all[a + i], all[b + i]);
-                        let same = new.weight == 0.0 || a.to_bits() == b.to_bits();
-                        all.push(if same { a } else { a + (b - a) * new.weight });
-                    }
-                    // Of one vertex only: that vertex's values as they are.
-                    if new.from[0] != new.from[1] {
-                        source.normalise_direction(&mut all[first..]);
-                    }
-                }))
-            }
-            AttributeValues::Int(v) => AttributeValues::Int(self.arrange(v, width, vertices, |all, new| {
-                all.extend_from_within(label(new)..label(new) + width);
-            })),
-            AttributeValues::Uint(v) => {
-                AttributeValues::Uint(self.arrange(v, width, vertices, |all, new| {
-                    all.extend_from_within(label(new)..label(new) + width);
-                }))
-            }
-        };
-        Attribute::new(source.name(), width, values)
-    }
-
-    /// The values at the given vertices; `make` appends those of each new vertex to all before it.
-    fn arrange<T: Copy>(
-        &self,
-        values: &[T],
-        width: usize,
-        vertices: &[u32],
-        make: impl Fn(&mut Vec<T>, &NewVertex),
-    ) -> Vec<T> {
-        let mut made;
-        let mut all = values;
-        if !self.new_vertices.is_empty() {
-            made = Vec::with_capacity(values.len() + self.new_vertices.len() * width);
-            made.extend_from_slice(values);
-            self.new_vertices.iter().for_each(|new| make(&mut made, new));
-            all = &made;
+    /// The attributes of the given vertices. New ones are blended in order of creation: each may be a source of later ones.
+    fn attributes(&self, mesh: &Mesh, vertices: &[u32]) -> Vec<Attribute> {
+        if self.new_vertices.is_empty() {
+            return mesh.attributes().iter().map(|attribute| attribute.gather(vertices)).collect();
         }
-        vertices.iter().flat_map(|&v| &all[v as usize * width..(v as usize + 1) * width]).copied().collect()
+        let mut blender = Blender::new(mesh.attributes(), self.new_vertices.len());
+        self.new_vertices.iter().for_each(|new| blender.push(new.from, new.weight));
+        blender.finish().iter().map(|attribute| attribute.gather(vertices)).collect()
     }
 }

@@ -9,7 +9,7 @@ use crate::mesh::{MAX_ELEMENTS, Mesh, NONE, Topology};
 use super::lineage::Lineage;
 use super::report::{SimplifyReport, StopReason};
 use super::sequence_check::check_new_vertices;
-use super::{CollapseSequence, NewVertex};
+use super::{CollapseSequence, NewVertex, NormalsDone};
 
 /// What is wrong with a sequence of collapses, or with the mesh it is put to.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -100,6 +100,9 @@ pub enum SequenceError {
         /// Triangles that vanish later or never.
         expected: usize,
     },
+    /// Normals are to be recomputed with a crease angle that is none.
+    #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
+    BadCreases,
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
     TooMany {
@@ -160,6 +163,7 @@ impl CollapseSequence {
                 triangles: 0,
                 vertices: 0,
                 error: 0.0,
+                normals: NormalsDone::Kept,
                 refusals: Vec::new(),
             },
         };

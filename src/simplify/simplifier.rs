@@ -6,6 +6,7 @@ use crate::mesh::Mesh;
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric};
+use super::normals::Normals;
 use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
@@ -45,6 +46,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub normals: Normals,
 }
 
 impl Settings {
@@ -137,6 +139,13 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// What becomes of normals. Default: [`Normals::Automatic`].
+    #[must_use]
+    pub fn normals(mut self, normals: Normals) -> Self {
+        self.settings.normals = normals;
+        self
+    }
+
     /// Simplifies a mesh.
     ///
     /// # Errors
@@ -157,8 +166,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
+        let normals = self.settings.normals.resolve(mesh)?;
         let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
+        let bare = normals.bare(mesh);
+        let mesh = bare.as_ref().unwrap_or(mesh);
         let engine = Engine::new(mesh, &mut self.metric, plan);
-        Ok(engine.run(mesh, &mut progress))
+        let mut sequence = engine.run(mesh, &mut progress);
+        sequence.report.normals = normals;
+        Ok(sequence)
     }
 }

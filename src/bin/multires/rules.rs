@@ -6,7 +6,9 @@ use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{
+    ErrorMeasure, Normals, NormalsDone, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -38,6 +40,11 @@ pub struct Rules {
     /// quadric metrics.
     #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "off", value_parser = Weights::parse)]
     pub attributes: Weights,
+    /// What becomes of normals: keep them and their seams, recompute them from each level's triangles (with the crease angle
+    /// that explains the input's best, or recompute=DEGREES), drop them and tangents, or auto: recompute where every face has
+    /// normals of its own, else keep [default: auto; keep for build, whose vertices are fixed].
+    #[arg(long, value_name = "auto|keep|recompute[=DEGREES]|drop", value_parser = normals)]
+    pub normals: Option<Normals>,
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
@@ -173,6 +180,7 @@ impl Rules {
 
     /// The mesh without what is to be left out.
     pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
         if self.drop.is_empty() {
             return Ok(mesh);
         }
@@ -195,12 +203,20 @@ impl Rules {
     }
 
     /// The simplifier asked for, with no target yet.
-    pub fn simplifier(&self, mesh: &Mesh, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
+    pub fn simplifier(
+        &self,
+        mesh: &Mesh,
+        place: Place,
+        normals: Normals,
+    ) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
         let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
         let base = metric::by_name(&self.metric).ok_or_else(unknown)?;
+        // Normals that are recomputed make no difference to what a collapse costs.
+        let done = normals.resolve(mesh).map_err(Failure::input)?;
+        let bare = (done != NormalsDone::Kept).then(|| mesh.without_normals());
         let weighed = match &self.attributes {
             Weights::Off => None,
-            Weights::Customary => Some(Attributes::customary(mesh)),
+            Weights::Customary => Some(Attributes::customary(bare.as_ref().unwrap_or(mesh))),
             Weights::Chosen(list) => {
                 Some(list.iter().fold(Attributes::new(mesh), |all, (name, weight)| all.custom(name, *weight)))
             }
@@ -230,6 +246,7 @@ impl Rules {
             .placement(placement)
             .order(order)
             .error_measure(measure)
+            .normals(normals)
             .join_distance(self.join_distance as f32)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
@@ -305,6 +322,19 @@ impl Rules {
     }
 }
 
+/// What became of normals, for JSON and for people.
+pub fn normals_done(report: &SimplifyReport) -> (Value, String) {
+    match report.normals {
+        NormalsDone::Recomputed(creases) => {
+            let angle = creases.angle;
+            let text = format!("recomputed, with creases where edges turn by more than {angle:.1} degrees");
+            (json!({ "recomputed": { "crease_angle": angle } }), text)
+        }
+        NormalsDone::Dropped => (json!("dropped"), "dropped".to_owned()),
+        _ => (json!("kept"), "kept".to_owned()),
+    }
+}
+
 /// A report's refusals, for JSON.
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
@@ -344,6 +374,17 @@ pub fn share(text: &str) -> Result<f64, String> {
 /// A finite number that is not below 0.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text, 0.0.., "a number of 0 or more")
+}
+
+fn normals(text: &str) -> Result<Normals, String> {
+    match text.split_once('=') {
+        None if text == "auto" => Ok(Normals::Automatic),
+        None if text == "keep" => Ok(Normals::Keep),
+        None if text == "drop" => Ok(Normals::Drop),
+        None if text == "recompute" => Ok(Normals::Recompute { crease_angle: None }),
+        Some(("recompute", angle)) => Ok(Normals::Recompute { crease_angle: Some(degrees(angle)? as f32) }),
+        _ => Err("not auto, keep, recompute, recompute=DEGREES or drop".to_owned()),
+    }
 }
 
 fn degrees(text: &str) -> Result<f64, String> {

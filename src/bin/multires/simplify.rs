@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use multires::mesh::Mesh;
+use multires::mesh::{Mesh, names};
 use multires::simplify::{StopReason, Target};
 use serde_json::{Value, json};
 
@@ -82,7 +82,7 @@ impl Run for Simplify {
 
         let start = Instant::now();
         let place = self.rules.place();
-        let mut simplifier = self.rules.simplifier(&mesh, place)?;
+        let mut simplifier = self.rules.simplifier(&mesh, place, self.rules.normals.unwrap_or_default())?;
         for target in self.targets.list(&mesh) {
             simplifier = simplifier.target(target);
         }
@@ -111,6 +111,7 @@ impl Run for Simplify {
             "error_percent": error_percent,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
+            "normals": rules::normals_done(report).0,
             "refusals": rules::refusals(report),
             "seconds": seconds,
             "warnings": warnings,
@@ -122,6 +123,9 @@ impl Run for Simplify {
         table.row("output", files::describe_text(&self.output, &level));
         table.row("kept", format!("{:.2} % of the triangles", share.unwrap_or(100.0)));
         table.row("error", error_text(f64::from(report.error), error_percent));
+        if level.attribute(names::NORMAL).is_some() {
+            table.row("normals", rules::normals_done(report).1);
+        }
         table.row("stopped by", rules::stop_name(report.stop));
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));

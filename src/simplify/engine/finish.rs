@@ -3,6 +3,7 @@
 use crate::mesh::Mesh;
 
 use super::super::metric::ErrorMetric;
+use super::super::normals::NormalsDone;
 use super::super::reorder;
 use super::super::report::{Refusal, SimplifyReport, StopReason};
 use super::super::sequence::CollapseSequence;
@@ -46,7 +47,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
+        let normals = NormalsDone::Kept;
+        let report =
+            SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, normals, refusals };
         let mut sequence = self.recorder.finish(report);
         if self.tiled {
             reorder::sort_by_rank(&mut sequence, &self.ranks);

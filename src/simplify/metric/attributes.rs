@@ -311,7 +311,8 @@ impl<M> WithAttributes<M> {
     /// The quadrics of the surface as it is. Their sums run over the triangles in order, so they are the same always.
     fn build(&mut self, surface: &Surface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
-        let count = triangles().flat_map(|t| surface.corner_vertices(t)).max().map_or(0, |v| v as usize + 1);
+        let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
+        let count = vertices.max().map_or(0, |v| v as usize + 1);
         self.unit = (self.diagonal * surface.frame().scale()) as f32;
         self.values.clear();
         self.values.extend(self.source.iter().map(|x| x * self.unit));
@@ -326,7 +327,9 @@ impl<M> WithAttributes<M> {
             if let Some(corners) = surface.triangle(t) {
                 points = corners;
             }
-            self.add_triangle(points.map(|p| surface.at(p)), surface.corner_vertices(t));
+            for layer in surface.layers(t) {
+                self.add_triangle(points.map(|p| surface.at(p)), layer.vertices);
+            }
         }
     }
 
@@ -471,7 +474,7 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }
-    if surface.kind(pair.lost) & kind::FEATURE == 0 {
+    if surface.kind(pair.lost) & kind::FEATURE == 0 && !surface.has_sheets() {
         // One wedge: any triangle on the edge tells.
         for corner in surface.star(pair.lost) {
             if let Some(side) = corner.others.iter().position(|&o| o == pair.kept) {
