@@ -16,6 +16,11 @@ pub mod names {
     pub const JOINTS: &str = "joints";
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
+
+    /// Whether a name is that of the first set or of a further one: `uv`, `uv1`, `uv2` and so on.
+    pub fn is_set_of(name: &str, first: &str) -> bool {
+        name.strip_prefix(first).is_some_and(|number| number.bytes().all(|c| c.is_ascii_digit()))
+    }
 }
 
 /// The scalars of an attribute, `width` of them per vertex, vertex by vertex.
@@ -100,6 +105,14 @@ impl Attribute {
         }
     }
 
+    /// The scalars where they are floats, to be changed.
+    pub(crate) fn floats_mut(&mut self) -> Option<&mut [f32]> {
+        match &mut self.values {
+            AttributeValues::Float(values) => Some(values),
+            _ => None,
+        }
+    }
+
     /// Bytes held by the scalars.
     pub fn memory(&self) -> usize {
         4 * self.values.len()
@@ -122,6 +135,17 @@ impl Attribute {
             AttributeValues::Uint(v) => AttributeValues::Uint(rows(v, self.width, order)),
         };
         Self::new(self.name.clone(), self.width, values)
+    }
+
+    /// Brings a blended normal or tangent back to unit length; values of other attributes stay as they are.
+    pub(crate) fn normalise_direction(&self, value: &mut [f32]) {
+        if !matches!(self.name.as_str(), names::NORMAL | names::TANGENT) || self.width < 3 {
+            return;
+        }
+        let length = value[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+        if length > 1e-12 && (length - 1.0).abs() > 1e-5 {
+            value[..3].iter_mut().for_each(|x| *x /= length);
+        }
     }
 
     /// Makes room for more vertices.

@@ -12,13 +12,17 @@
 //! | `lanes.rs` | four vectors at once |
 //! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
+//! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod attribute_deviation;
 mod candidates;
 mod classify;
 mod engine;
 mod errors;
+mod footprint;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
@@ -32,6 +36,7 @@ mod progressive;
 mod progressive_check;
 mod queue;
 mod recorder;
+mod refit;
 mod reorder;
 mod report;
 mod sequence;
@@ -39,14 +44,16 @@ mod sequence_build;
 mod sequence_check;
 mod sheets;
 mod simplifier;
+mod solved;
 mod stars;
 mod surface;
 mod travel;
 mod witness;
 
+pub use attribute_deviation::AttributeDeviation;
 pub use metric::{Batch, ErrorMetric, Pair};
 pub use normals::{Normals, NormalsDone};
-pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
+pub use options::{AttributeWeights, ErrorMeasure, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;

@@ -2,19 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, names};
 
 use super::engine::{Engine, Plan};
-use super::metric::{ErrorMetric, Quadric};
-use super::normals::Normals;
-use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::metric::{ErrorMetric, Quadric, WithAttributes};
+use super::normals::{Normals, NormalsDone};
+use super::options::{AttributeWeights, ErrorMeasure, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
 /// Simplifies meshes: pluggable metric, placement, order and oracles.
 ///
-/// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
+/// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh; normals, texture
+/// coordinates and colours count where the mesh has them.
 ///
 /// # The error
 /// The error of each step, in object units, is measured: *no vertex that the input's triangles use is farther from the
@@ -46,6 +47,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub attributes: AttributeWeights,
     pub normals: Normals,
 }
 
@@ -56,6 +58,20 @@ impl Settings {
             return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
         }
         Ok(())
+    }
+
+    /// What is to be done with the normals of a mesh: where they are to steer collapses they are not recomputed unless
+    /// asked for.
+    fn normals(&self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
+        match &self.attributes {
+            AttributeWeights::Chosen(list)
+                if self.normals == Normals::Automatic
+                    && list.iter().any(|(name, _)| name == names::NORMAL) =>
+            {
+                Ok(NormalsDone::Kept)
+            }
+            _ => self.normals.resolve(mesh),
+        }
     }
 }
 
@@ -146,10 +162,19 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// Which attributes count in what collapses cost. Default: [`AttributeWeights::Customary`], normals, texture
+    /// coordinates and colours where the mesh has them. A metric that counts attributes by itself
+    /// ([`WithAttributes`]) is left as it is.
+    #[must_use]
+    pub fn attributes(mut self, weights: AttributeWeights) -> Self {
+        self.settings.attributes = weights;
+        self
+    }
+
     /// Simplifies a mesh.
     ///
     /// # Errors
-    /// An option outside its range. Any mesh is legal.
+    /// An option outside its range, an attribute that the mesh does not have. Any mesh is legal.
     pub fn run(&mut self, mesh: &Mesh) -> Result<CollapseSequence, OptionError> {
         self.run_with(mesh, |_| ControlFlow::Continue(()))
     }
@@ -158,7 +183,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// there and is usable up to there.
     ///
     /// # Errors
-    /// An option outside its range.
+    /// An option outside its range, an attribute that the mesh does not have.
     pub fn run_with(
         &mut self,
         mesh: &Mesh,
@@ -166,12 +191,17 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
-        let normals = self.settings.normals.resolve(mesh)?;
+        let normals = self.settings.normals(mesh)?;
         let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
         let bare = normals.bare(mesh);
         let mesh = bare.as_ref().unwrap_or(mesh);
-        let engine = Engine::new(mesh, &mut self.metric, plan);
-        let mut sequence = engine.run(mesh, &mut progress);
+        let mut sequence = match self.settings.attributes.of(mesh)? {
+            None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
+            Some(attributes) => {
+                let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
+                Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+            }
+        };
         sequence.report.normals = normals;
         Ok(sequence)
     }

@@ -87,7 +87,6 @@ enum Needs {
 
 impl Run for Build {
     fn run(&self) -> Result<Answer, Failure> {
-        self.given.rules.check()?;
         if let Some(Normals::Recompute { .. }) = self.given.rules.normals {
             let reason = "--normals recompute: vertices of a structure are fixed, and so are their normals";
             return Err(Failure::Usage(reason.to_owned()));
@@ -134,7 +133,7 @@ impl Build {
         let start = Instant::now();
         let bar = Bar::new("simplifying");
         // Vertices of a structure are fixed, so their normals are those of the input.
-        let mut simplifier = self.given.rules.simplifier(&mesh, place, Normals::Keep)?;
+        let mut simplifier = self.given.rules.simplifier(place, Normals::Keep)?;
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
         let mut notes = imported.notes;
         if Normals::Automatic.resolve(&mesh) != Ok(NormalsDone::Kept) {
