@@ -5,6 +5,7 @@
 
 use crate::mesh::NONE;
 
+use super::sheets::{LayerEdge, edge_between};
 use super::surface::{Corner, Surface};
 
 /// What a point is, as bits.
@@ -104,7 +105,8 @@ impl Surface {
 
     /// Finds what a point is by one walk over its star, with marks: O(valence).
     fn classify_point(&mut self, point: u32) {
-        if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
+        let is_bare = self.corner_vertices.is_empty() && self.materials.is_empty() && !self.has_sheets();
+        if is_bare && self.is_plain_ring(point) {
             self.kinds[point as usize] &= kind::LOCKED | kind::ON_CURVE;
             return;
         }
@@ -124,10 +126,12 @@ impl Surface {
         let mut wedge = NONE;
         let mut wedges = 0;
         for corner in self.star(point) {
-            if let Some(vertices) = self.corner_vertices.get(corner.triangle as usize) {
-                let own = vertices[corner.slot as usize];
-                wedges |= if wedge != NONE && wedge != own { kind::WEDGES } else { 0 };
-                wedge = own;
+            if self.has_seams() {
+                for layer in self.layers(corner.triangle) {
+                    let own = layer.vertices[corner.slot as usize];
+                    wedges |= if wedge != NONE && wedge != own { kind::WEDGES } else { 0 };
+                    wedge = own;
+                }
             }
             for side in 0..2 {
                 let n = corner.others[side];
@@ -136,6 +140,9 @@ impl Surface {
                     neighbours.push(n);
                     entry.first = self.edge_vertices(corner, side);
                     entry.material = self.material(corner.triangle);
+                    entry.triangle = corner.triangle;
+                } else if self.has_sheets() {
+                    entry.bits |= self.sheet_edge([entry.triangle, corner.triangle], [point, n]);
                 } else {
                     let seam = self.edge_vertices(corner, side) != entry.first;
                     let border = self.material(corner.triangle) != entry.material;
@@ -219,6 +226,9 @@ impl Surface {
             let ends = self.edge_vertices(corner, side);
             match first {
                 None => first = Some((corner, ends)),
+                Some((other, _)) if self.has_sheets() => {
+                    bits |= self.sheet_edge([other.triangle, corner.triangle], [u, v]);
+                }
                 Some((other, other_ends)) => {
                     bits |= if ends != other_ends { kind::SEAM } else { 0 };
                     let differ = self.material(corner.triangle) != self.material(other.triangle);
@@ -237,6 +247,9 @@ impl Surface {
     /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
     /// edge of many triangles the third tells.
     pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
+        if self.has_sheets() {
+            return self.edge_kind(u, v).is_some_and(|kind| kind != 0);
+        }
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(u32, [u32; 2])> = None;
         let mut count = 0;
@@ -250,6 +263,19 @@ impl Surface {
             }
         }
         count == 1
+    }
+
+    /// What the edge between two points is by the sheets of two triangles on it, as `kind` bits.
+    fn sheet_edge(&self, triangles: [u32; 2], [u, v]: [u32; 2]) -> u16 {
+        let [before, beyond] = triangles.map(|triangle| {
+            let corners = self.triangle(triangle).unwrap_or([NONE; 3]);
+            let [a, b] = [u, v].map(|end| corners.iter().position(|&p| p == end).unwrap_or(0));
+            let forward = (a + 1) % 3 == b;
+            self.layers(triangle).map(move |layer| -> LayerEdge {
+                (forward != layer.opposite, [layer.vertices[a], layer.vertices[b]], layer.material)
+            })
+        });
+        edge_between(before, beyond)
     }
 
     /// The vertices of `corner`'s point and of its other number `side`.
@@ -283,5 +309,7 @@ pub(super) struct Seen {
     follow: u32,
     first: [u32; 2],
     material: u32,
+    /// The first triangle with this neighbour.
+    triangle: u32,
     bits: u16,
 }

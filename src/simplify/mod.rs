@@ -4,9 +4,10 @@
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed |
 //! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
+//! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
@@ -30,6 +31,7 @@ mod keep_sides;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
+mod normals;
 mod options;
 pub mod oracle;
 mod pairs;
@@ -46,6 +48,7 @@ mod report;
 mod sequence;
 mod sequence_build;
 mod sequence_check;
+mod sheets;
 mod simplifier;
 mod solved;
 mod stars;
@@ -57,6 +60,7 @@ mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
 pub use metric::{Batch, ErrorMetric, Pair};
+pub use normals::{Normals, NormalsDone};
 pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};

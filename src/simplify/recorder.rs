@@ -49,14 +49,17 @@ impl Recorder {
             .map(|v| [v, leader(v)])
             .filter(|&[v, to]| wedge_of[v as usize] == v && place(v) != place(to));
         let mut used = vec![false; wedge_of.len()];
+        let mut triangle_end = vec![0; mesh.triangles().len()];
         for t in 0..surface.triangle_count() as u32 {
             if surface.triangle(t).is_some() {
-                surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
+                let vertices = surface.layers(t).flat_map(|layer| layer.vertices);
+                vertices.for_each(|v| used[v as usize] = true);
+                triangle_end[t as usize] = NONE;
+                surface.followers(t).iter().for_each(|&t| triangle_end[t as usize] = NONE);
             }
         }
         let (spans, wedges) =
             if surface.has_seams() { wedge_lists(topology, &used) } else { (Vec::new(), Vec::new()) };
-        let end = |t: usize| if surface.triangle(t as u32).is_some() { NONE } else { 0 };
         let steps = surface.point_count();
         let mut step_start = Vec::with_capacity(steps + 1);
         step_start.push(0);
@@ -72,7 +75,7 @@ impl Recorder {
             step_error: Vec::with_capacity(steps),
             parts: Vec::new(),
             triangles_after,
-            triangle_end: (0..mesh.triangles().len()).map(end).collect(),
+            triangle_end,
             batch_end: Vec::new(),
             live_vertices: used.iter().filter(|&&u| u).count(),
             positions: if surface.moves_wedges && !spans.is_empty() {

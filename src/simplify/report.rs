@@ -1,5 +1,6 @@
 //! What a simplification reached, and why it stopped.
 
+use super::NormalsDone;
 use super::permissive::GivenUp;
 
 /// Why a simplification stopped.
@@ -51,6 +52,8 @@ pub struct SimplifyReport {
     pub surface_error: f32,
     /// Error of its curves, object units: borders, non-manifold edges, seams, borders between materials, and creases.
     pub curve_error: f32,
+    /// What became of normals.
+    pub normals: NormalsDone,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
     /// Collapses by which seams, creases and material borders gave ([`Permissive`](super::Permissive)).
@@ -68,6 +71,7 @@ impl SimplifyReport {
             error: 0.0,
             surface_error: 0.0,
             curve_error: 0.0,
+            normals: NormalsDone::Kept,
             refusals: Vec::new(),
             given_up: GivenUp::default(),
         }

@@ -106,6 +106,9 @@ pub enum SequenceError {
         /// Triangles that vanish later or never.
         expected: usize,
     },
+    /// Normals are to be recomputed with a crease angle that is none.
+    #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
+    BadCreases,
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
     TooMany {

@@ -31,6 +31,9 @@ impl CollapseSequence {
         expect("reported steps", self.report.steps, steps)?;
         expect("reported triangles", self.report.triangles, self.triangles_after(steps))?;
         expect_most("reported vertices", self.report.vertices, self.vertex_count())?;
+        if !self.report.normals.is_valid() {
+            return Err(SequenceError::BadCreases);
+        }
         let reported = [
             (self.report.error, self.error_after(steps)),
             (self.report.surface_error, self.surface_error_after(steps)),

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use crate::mesh::{Mesh, Tolerances};
+use crate::mesh::{Mesh, Tolerances, names};
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
+use super::normals::{Normals, NormalsDone};
 use super::options::{AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::permissive::Permissive;
@@ -62,6 +63,7 @@ pub(super) struct Settings {
     pub tolerances: Tolerances,
     pub guard: Guard,
     pub attributes: AttributeWeights,
+    pub normals: Normals,
 }
 
 impl Settings {
@@ -74,6 +76,20 @@ impl Settings {
             return Err(OptionError::OutOfRange { option, value: f64::from(value), expected });
         }
         Ok(())
+    }
+
+    /// What is to be done with the normals of a mesh: where they are to steer collapses they are not recomputed unless
+    /// asked for.
+    fn normals(&self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
+        match &self.attributes {
+            AttributeWeights::Chosen(list)
+                if self.normals == Normals::Automatic
+                    && list.iter().any(|(name, _)| name == names::NORMAL) =>
+            {
+                Ok(NormalsDone::Kept)
+            }
+            _ => self.normals.resolve(mesh),
+        }
     }
 }
 
@@ -181,6 +197,13 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// What becomes of normals. Default: [`Normals::Automatic`].
+    #[must_use]
+    pub fn normals(mut self, normals: Normals) -> Self {
+        self.settings.normals = normals;
+        self
+    }
+
     /// Which attributes count in what collapses cost. Default: [`AttributeWeights::Customary`], normals, texture
     /// coordinates and colours where the mesh has them. A metric that counts attributes by itself
     /// ([`WithAttributes`]) is left as it is.
@@ -210,11 +233,18 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
+        let normals = self.settings.normals(mesh)?;
         let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
-        let Some(attributes) = self.settings.attributes.of(mesh)? else {
-            return Ok(Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress));
+        let bare = normals.bare(mesh);
+        let mesh = bare.as_ref().unwrap_or(mesh);
+        let mut sequence = match self.settings.attributes.of(mesh)? {
+            None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
+            Some(attributes) => {
+                let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
+                Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+            }
         };
-        let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
-        Ok(Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress))
+        sequence.report.normals = normals;
+        Ok(sequence)
     }
 }

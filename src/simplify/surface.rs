@@ -17,6 +17,7 @@ use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
 use super::curves::Curves;
+use super::sheets::{Layer, Sheets};
 use super::stars::Stars;
 use super::wedge_values::WedgeValues;
 
@@ -98,6 +99,7 @@ pub struct Surface {
     pub(super) moves_wedges: bool,
     stars: Stars,
     curves: Curves,
+    sheets: Sheets,
     live: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
@@ -114,14 +116,15 @@ pub(super) struct Scratch {
 }
 
 impl Surface {
-    /// The surface of a mesh. Triangles with two equal points are dead from the start. O(n).
+    /// The surface of a mesh. Triangles with two equal points are dead from the start; of those over the same three points
+    /// one leads and the others follow it. O(n).
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
         let frame = Frame::new(mesh);
         let points = topology.point_count();
         let position = |&v: &u32| Vec3::from(frame.inner(mesh.positions()[v as usize]));
         let positions: Vec<Vec3> = topology.vertex_of_point().iter().map(position).collect();
         let point_of = topology.point_of();
-        let triangles: Vec<[u32; 3]> = mesh
+        let mut triangles: Vec<[u32; 3]> = mesh
             .triangles()
             .iter()
             .map(|t| {
@@ -137,7 +140,13 @@ impl Surface {
         } else {
             mesh.triangles().iter().map(|t| t.map(|v| wedge_of[v as usize])).collect()
         };
-        let stars = Stars::new(&triangles, points);
+        let mut stars = Stars::new(&triangles, points);
+        let vertices = |t: u32| mesh.triangles()[t as usize].map(|v| wedge_of[v as usize]);
+        let material = |t: u32| mesh.materials().get(t as usize).copied().unwrap_or(0);
+        let sheets = Sheets::new(&mut triangles, &stars, vertices, material, points);
+        if !sheets.is_empty() {
+            stars = Stars::new(&triangles, points);
+        }
         let mut surface = Self {
             frame,
             positions,
@@ -152,6 +161,7 @@ impl Surface {
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
             curves: Curves::default(),
+            sheets,
             live,
             scratch: Scratch::default(),
         };
@@ -181,7 +191,7 @@ impl Surface {
         self.triangles.len()
     }
 
-    /// Triangles still alive.
+    /// Triangles still alive, those that follow another included.
     pub fn live_triangles(&self) -> usize {
         self.live
     }
@@ -201,7 +211,7 @@ impl Surface {
         self.positions[point as usize]
     }
 
-    /// The points of a triangle; `None` once it is dead.
+    /// The points of a triangle; `None` once it is dead, and for one that follows another over the same three points.
     pub fn triangle(&self, triangle: u32) -> Option<[u32; 3]> {
         let corners = self.triangles[triangle as usize];
         (corners[0] != NONE).then_some(corners)
@@ -235,6 +245,29 @@ impl Surface {
     #[inline]
     pub fn material(&self, triangle: u32) -> u32 {
         self.materials.get(triangle as usize).copied().unwrap_or(0)
+    }
+
+    /// Whether there are triangles that follow another.
+    #[inline]
+    pub(crate) fn has_sheets(&self) -> bool {
+        !self.sheets.is_empty()
+    }
+
+    /// The triangles that follow a triangle: those over the same three points, which die with it.
+    #[inline]
+    pub(crate) fn followers(&self, triangle: u32) -> &[u32] {
+        self.sheets.followers(triangle)
+    }
+
+    /// A live triangle's own vertices and material, and those of each triangle that follows it with others.
+    #[inline]
+    pub(crate) fn layers(&self, triangle: u32) -> impl Iterator<Item = Layer> + Clone + '_ {
+        let (vertices, material) = (self.corner_vertices(triangle), self.material(triangle));
+        let own = Layer { vertices, material, opposite: false };
+        let has_seams = self.has_seams();
+        // Without seams the leader's vertices are everybody's.
+        let layer = move |&layer: &Layer| if has_seams { layer } else { Layer { vertices, ..layer } };
+        std::iter::once(own).chain(self.sheets.layers(triangle).iter().map(layer))
     }
 
     /// Number of triangles around a point.
@@ -410,6 +443,11 @@ impl Surface {
             }
             _ => self.remove_many(lost, dead),
         }
+        if self.has_sheets() {
+            for leader in 0..dead.len() {
+                dead.extend_from_slice(self.sheets.followers(dead[leader]));
+            }
+        }
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
         self.live_points += usize::from(self.stars.of(kept).is_empty() && !moved.is_empty());
@@ -463,6 +501,7 @@ impl Surface {
         for &entry in self.stars.of(point) {
             let vertex = &mut self.corner_vertices[(entry >> 2) as usize][(entry & 3) as usize];
             *vertex = map(*vertex);
+            self.sheets.replace(entry >> 2, (entry & 3) as usize, &mut map);
         }
     }
 }

@@ -8,8 +8,11 @@
 //!          w2                has one; else to the nearest in value that mirrors nothing; or, where new vertices
 //!                            may be made and none is near, it keeps its values at the new place.
 //! ```
+//!
+//! Every layer of a sheet has wedges of its own, which the same layer's triangles map.
 
 use super::metric::Pair;
+use super::sheets::Layer;
 use super::surface::Surface;
 
 /// Most wedges of the lost point with a place to go: beyond it a map [overflows](WedgeMap::overflows).
@@ -42,21 +45,20 @@ impl WedgeMap {
         let (point, other) = if turned { (pair.kept, pair.lost) } else { (pair.lost, pair.kept) };
         for corner in surface.star(point) {
             let Some(side) = corner.others.iter().position(|&o| o == other) else { continue };
-            let vertices = surface.corner_vertices(corner.triangle);
-            let near = vertices[corner.slot as usize];
-            let far = vertices[(corner.slot as usize + 1 + side) % 3];
-            let (from, to) = if turned { (far, near) } else { (near, far) };
-            let to = map.root(to);
-            match map.get(from) {
-                Some(known) if known == to => {}
-                Some(known) => map.join(to, known),
-                None => map.push(from, to),
+            let slot = corner.slot as usize;
+            for layer in surface.layers(corner.triangle) {
+                let (near, far) = (layer.vertices[slot], layer.vertices[(slot + 1 + side) % 3]);
+                let (from, to) = if turned { (far, near) } else { (near, far) };
+                let to = map.root(to);
+                match map.get(from) {
+                    Some(known) if known == to => {}
+                    Some(known) => map.join(to, known),
+                    None => map.push(from, to),
+                }
             }
         }
         if map.complete {
-            map.complete = surface.star(pair.lost).all(|corner| {
-                map.get(surface.corner_vertices(corner.triangle)[corner.slot as usize]).is_some()
-            });
+            map.complete = wedges_of(surface, pair.lost).all(|wedge| map.get(wedge).is_some());
         }
         map.linked = map.len;
         map
@@ -133,9 +135,7 @@ impl WedgeMap {
 
     /// Finds a place for the wedges that have none yet.
     fn choose(&mut self, surface: &Surface, pair: Pair) {
-        let own =
-            |corner: super::surface::Corner| surface.corner_vertices(corner.triangle)[corner.slot as usize];
-        for from in surface.star(pair.lost).map(own) {
+        for from in wedges_of(surface, pair.lost) {
             if self.get(from).is_none() {
                 if let Some(to) = by_chart(surface, pair, from) {
                     self.push(from, to);
@@ -145,13 +145,13 @@ impl WedgeMap {
         self.linked = self.len;
         let mut kept = [0; FEW];
         let mut count = 0;
-        for wedge in surface.star(pair.kept).take(CORNERS).map(own) {
+        for wedge in wedges_of(surface, pair.kept).take(CORNERS) {
             if count < FEW && !kept[..count].contains(&wedge) {
                 kept[count] = wedge;
                 count += 1;
             }
         }
-        for from in surface.star(pair.lost).map(own) {
+        for from in wedges_of(surface, pair.lost) {
             if self.get(from).is_none() {
                 let to = by_value(surface, pair, from, &kept[..count]);
                 self.push(from, to);
@@ -160,15 +160,23 @@ impl WedgeMap {
     }
 }
 
+/// The wedges at the corners around a point, on every layer of a sheet; some several times.
+fn wedges_of(surface: &Surface, point: u32) -> impl Iterator<Item = u32> + '_ {
+    surface.star(point).flat_map(|corner| {
+        surface.layers(corner.triangle).map(move |layer| layer.vertices[corner.slot as usize])
+    })
+}
+
 /// The wedge of the kept point that shares a vertex next to both with a wedge of the lost one.
 fn by_chart(surface: &Surface, pair: Pair, from: u32) -> Option<u32> {
     for corner in surface.star(pair.lost) {
-        let vertices = surface.corner_vertices(corner.triangle);
-        if vertices[corner.slot as usize] != from {
+        let slot = corner.slot as usize;
+        let Some(Layer { vertices, .. }) = surface.layers(corner.triangle).find(|l| l.vertices[slot] == from)
+        else {
             continue;
-        }
+        };
         for (side, &third) in corner.others.iter().enumerate() {
-            let vertex = vertices[(corner.slot as usize + 1 + side) % 3];
+            let vertex = vertices[(slot + 1 + side) % 3];
             // From the side with fewer triangles: the other may be a hub.
             let (hub, centre) = if surface.valence(third) <= surface.valence(pair.kept) {
                 (pair.kept, third)
@@ -177,11 +185,13 @@ fn by_chart(surface: &Surface, pair: Pair, from: u32) -> Option<u32> {
             };
             for beside in surface.star(centre).take(CORNERS) {
                 let Some(at) = beside.others.iter().position(|&o| o == hub) else { continue };
-                let vertices = surface.corner_vertices(beside.triangle);
-                let ends = [vertices[beside.slot as usize], vertices[(beside.slot as usize + 1 + at) % 3]];
-                let [at_third, at_kept] = if centre == third { ends } else { [ends[1], ends[0]] };
-                if at_third == vertex {
-                    return Some(at_kept);
+                let slot = beside.slot as usize;
+                for layer in surface.layers(beside.triangle) {
+                    let ends = [layer.vertices[slot], layer.vertices[(slot + 1 + at) % 3]];
+                    let [at_third, at_kept] = if centre == third { ends } else { [ends[1], ends[0]] };
+                    if at_third == vertex {
+                        return Some(at_kept);
+                    }
                 }
             }
         }

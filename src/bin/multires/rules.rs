@@ -7,8 +7,8 @@ use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, GivenUp, Guard, Order, Permissive, Placement, Refusal, Simplifier,
-    SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Order, Permissive, Placement,
+    Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
@@ -37,6 +37,11 @@ pub struct Rules {
     /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth.
     #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "on", value_parser = weights)]
     pub attributes: AttributeWeights,
+    /// What becomes of normals: keep them and their seams, recompute them from each level's triangles (with the crease angle
+    /// that explains the input's best, or recompute=DEGREES), drop them and tangents, or auto: recompute where every face has
+    /// normals of its own, else keep [default: auto; keep for build, whose vertices are fixed].
+    #[arg(long, value_name = "auto|keep|recompute[=DEGREES]|drop", value_parser = normals)]
+    pub normals: Option<Normals>,
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
@@ -223,6 +228,7 @@ impl Rules {
 
     /// The mesh without what is to be left out.
     fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
         if self.drop.is_empty() {
             return Ok(mesh);
         }
@@ -246,7 +252,11 @@ impl Rules {
     }
 
     /// The simplifier asked for, with no target yet.
-    pub fn simplifier(&self, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
+    pub fn simplifier(
+        &self,
+        place: Place,
+        normals: Normals,
+    ) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
         let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
         let metric = metric::by_name(&self.metric).ok_or_else(unknown)?;
         let placement = match place {
@@ -276,6 +286,7 @@ impl Rules {
                 Gives::Auto => Permissive::Auto,
             })
             .attributes(self.attributes.clone())
+            .normals(normals)
             .join_distance(self.join_distance as f32)
             .tolerances(self.weld_tolerance.tolerances.clone())
             .guard(if self.guard == Switch::On { Guard::On } else { Guard::Off })
@@ -365,6 +376,19 @@ impl Rules {
     }
 }
 
+/// What became of normals, for JSON and for people.
+pub fn normals_done(report: &SimplifyReport) -> (Value, String) {
+    match report.normals {
+        NormalsDone::Recomputed(creases) => {
+            let angle = creases.angle;
+            let text = format!("recomputed, with creases where edges turn by more than {angle:.1} degrees");
+            (json!({ "recomputed": { "crease_angle": angle } }), text)
+        }
+        NormalsDone::Dropped => (json!("dropped"), "dropped".to_owned()),
+        _ => (json!("kept"), "kept".to_owned()),
+    }
+}
+
 /// A report's refusals, for JSON.
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
@@ -420,6 +444,17 @@ pub fn share(text: &str) -> Result<f64, String> {
 /// A finite number that is not below 0.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text, 0.0.., "a number of 0 or more")
+}
+
+fn normals(text: &str) -> Result<Normals, String> {
+    match text.split_once('=') {
+        None if text == "auto" => Ok(Normals::Automatic),
+        None if text == "keep" => Ok(Normals::Keep),
+        None if text == "drop" => Ok(Normals::Drop),
+        None if text == "recompute" => Ok(Normals::Recompute { crease_angle: None }),
+        Some(("recompute", angle)) => Ok(Normals::Recompute { crease_angle: Some(degrees(angle)? as f32) }),
+        _ => Err("not auto, keep, recompute, recompute=DEGREES or drop".to_owned()),
+    }
 }
 
 fn degrees(text: &str) -> Result<f64, String> {

@@ -102,7 +102,7 @@ impl Run for Simplify {
 
         let start = Instant::now();
         let place = self.rules.place();
-        let mut simplifier = self.rules.simplifier(place)?;
+        let mut simplifier = self.rules.simplifier(place, self.rules.normals.unwrap_or_default())?;
         for target in self.targets.list(&mesh) {
             simplifier = simplifier.target(target);
         }
@@ -140,6 +140,7 @@ impl Run for Simplify {
             "curve_error": report.curve_error,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
+            "normals": rules::normals_done(report).0,
             "refusals": rules::refusals(report),
             "given_up": rules::given_up(report),
             "seconds": seconds,
@@ -162,6 +163,9 @@ impl Run for Simplify {
         let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
         table.row("of the surface", error_text(surface, percent(surface, diagonal)));
         table.row("of its curves", error_text(curves, percent(curves, diagonal)));
+        if level.attribute(names::NORMAL).is_some() {
+            table.row("normals", rules::normals_done(report).1);
+        }
         table.row("stopped by", rules::stop_name(report.stop));
         if let Some(given_up) = rules::given_up_text(report) {
             table.row("gave", given_up);

@@ -456,7 +456,8 @@ impl<M> WithAttributes<M> {
     /// The quadrics of the surface as it is. Their sums run over the triangles in order, so they are the same always.
     fn build(&mut self, surface: &Surface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
-        let count = triangles().flat_map(|t| surface.corner_vertices(t)).max().map_or(0, |v| v as usize + 1);
+        let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
+        let count = vertices.max().map_or(0, |v| v as usize + 1);
         self.unit = (self.diagonal * surface.frame().scale()) as f32;
         self.values.clear();
         self.values.extend(self.source.iter().map(|x| *x * self.unit));
@@ -471,7 +472,9 @@ impl<M> WithAttributes<M> {
             if let Some(corners) = surface.triangle(t) {
                 points = corners;
             }
-            self.add_triangle(points.map(|p| surface.at(p)), surface.corner_vertices(t));
+            for layer in surface.layers(t) {
+                self.add_triangle(points.map(|p| surface.at(p)), layer.vertices);
+            }
         }
     }
 
@@ -619,7 +622,8 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         if self.is_idle() {
             return;
         }
-        let one_wedge = surface.has_seams() && surface.kind(lost) & kind::FEATURE == 0;
+        let is_plain = surface.kind(lost) & kind::FEATURE == 0 && !surface.has_sheets();
+        let one_wedge = surface.has_seams() && is_plain;
         let mut star = surface.star(lost);
         for (&kept, cost) in kept.iter().zip(costs) {
             let pair = Pair { lost, kept };
