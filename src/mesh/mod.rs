@@ -14,6 +14,7 @@
 
 mod adjacency;
 mod attribute;
+pub(crate) mod crossing;
 mod edges;
 mod gather;
 mod midpoints;

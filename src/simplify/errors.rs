@@ -44,4 +44,36 @@ impl Errors {
             Self::Witnesses(witnesses) => Some(witnesses.added(surface, patch, pair, x)),
         }
     }
+
+    /// The error of a part of `points` that vanishes, and is taken for the point `into`; `nearest` gives the squared
+    /// distance of a position to what is left near it, and the triangle that has it.
+    pub fn measure_vanishing(
+        &mut self,
+        surface: &Surface,
+        points: &[u32],
+        into: u32,
+        nearest: impl FnMut(Vec3) -> (f32, u32),
+    ) -> f32 {
+        match self {
+            Self::Travel(travel) => travel.measure_vanishing(surface, points, into),
+            Self::Witnesses(witnesses) => witnesses.measure_vanishing(surface, points, nearest),
+        }
+    }
+
+    /// Takes down that a part vanishes, just before it does and after it was measured: its error.
+    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+        match self {
+            Self::Travel(travel) => travel.vanish(surface, points, into),
+            Self::Witnesses(witnesses) => witnesses.vanish(surface, points),
+        }
+    }
+
+    /// The triangles that what was measured last would hang on.
+    pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
+        let handed = match self {
+            Self::Travel(_) => &[][..],
+            Self::Witnesses(witnesses) => witnesses.handed(),
+        };
+        handed.iter().map(|&(_, _, triangle)| triangle)
+    }
 }

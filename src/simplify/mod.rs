@@ -3,27 +3,32 @@
 //! | file | idea |
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
-//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins |
+//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/vanish.rs`: how a part goes; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins; `parts.rs`: separate parts; `near.rs`: what lies near |
 //! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
-//! | `oracle.rs` | [`Oracle`]: which collapses are legal |
+//! | `oracle.rs` | [`Oracle`]: which collapses are legal; `apart.rs`: whether the surface would cross itself |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
 //! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `grow.rs` | levels whose parts grow for those that vanished |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod apart;
 mod candidates;
 mod classify;
 mod engine;
 mod errors;
+mod grow;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
+mod near;
 mod options;
 pub mod oracle;
 mod pairs;
+mod parts;
 mod patch;
 mod placement;
 mod progressive;
@@ -41,8 +46,9 @@ mod surface;
 mod travel;
 mod witness;
 
+pub use grow::Growth;
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
+pub use options::{ErrorMeasure, OptionError, Order, Parts, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;

@@ -42,6 +42,9 @@ pub struct SimplifyReport {
     pub vertices: usize,
     /// Error bound of the last level, object units.
     pub error: f32,
+    /// Parts of the input (points joined by triangles) of which nothing is left. 0 in sequences that were not made by a
+    /// [`Simplifier`](super::Simplifier).
+    pub parts_removed: usize,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
 }

@@ -160,6 +160,7 @@ impl CollapseSequence {
                 triangles: 0,
                 vertices: 0,
                 error: 0.0,
+                parts_removed: 0,
                 refusals: Vec::new(),
             },
         };

@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric};
-use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::options::{ErrorMeasure, Limits, OptionError, Order, Parts, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
@@ -45,6 +45,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub parts: Parts,
 }
 
 impl Settings {
@@ -129,11 +130,22 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// Lets points that no edge joins be merged when they are at most this far apart (object units), so that separate
-    /// parts may grow together (TOM 4.1). Default 0: never.
+    /// Lets separate parts grow together when they are at most this far apart (object units). Default 0: never.
+    ///
+    /// With [`Parts::Vanish`] a corner of the nearest kin moves to the far end of a part that vanishes, where that is within
+    /// this distance, so that less of what was covered is lost. With [`Parts::Keep`] points of different parts may be merged
+    /// (vertex pairs, TOM 4.1): every point looks at the eight nearest of other parts, again when it was merged itself; about
+    /// parts that were joined, rules that keep the topology are not asked ([`Oracle::keeps_topology`]).
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
+        self
+    }
+
+    /// Whether separate parts vanish as a whole when that is the cheapest step. Default: [`Parts::Vanish`].
+    #[must_use]
+    pub fn parts(mut self, parts: Parts) -> Self {
+        self.settings.parts = parts;
         self
     }
 
@@ -157,7 +169,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
-        let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
+        let plan = Plan { oracles: &mut self.oracles, limits, settings: &self.settings };
         let engine = Engine::new(mesh, &mut self.metric, plan);
         Ok(engine.run(mesh, &mut progress))
     }

@@ -362,6 +362,23 @@ impl Surface {
         self.scratch.moved = moved;
     }
 
+    /// Takes away points with all their triangles, which must have no other corners. `dead` receives the triangles.
+    pub(crate) fn vanish(&mut self, points: &[u32], dead: &mut Vec<u32>) {
+        dead.clear();
+        for &point in points {
+            self.live_points -= usize::from(self.valence(point) != 0);
+            for &entry in self.stars.of(point) {
+                let corners = &mut self.triangles[(entry >> 2) as usize];
+                if corners[0] != NONE {
+                    *corners = [NONE; 3];
+                    dead.push(entry >> 2);
+                }
+            }
+            self.stars.clear(point);
+        }
+        self.live -= dead.len();
+    }
+
     /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.
     #[inline]
     fn detach_third(&mut self, triangle: u32, [u, v]: [u32; 2]) {

@@ -159,6 +159,7 @@ impl Build {
             "memory_percent": share,
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });
@@ -202,6 +203,7 @@ impl Build {
             "steps": sequence.len(),
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });

@@ -5,8 +5,10 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
 use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
-use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::oracle::{Borders, NormalFlip, SelfIntersection, TriangleQuality};
+use multires::simplify::{
+    ErrorMeasure, Order, Parts, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
@@ -17,7 +19,7 @@ const QUADRICS: [&str; 2] = ["quadric", "memoryless-quadric"];
 /// What stands for material ids where attributes are named.
 const MATERIAL: &str = "material";
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Rules {
     /// What a collapse costs.
     #[arg(long, value_name = "M", default_value = "quadric", value_parser = metric_name())]
@@ -47,6 +49,12 @@ pub struct Rules {
     /// Let parts that are at most this far apart (object units) grow together.
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative)]
     pub join_distance: f64,
+    /// Keep every separate part: none vanishes as a whole, however small it is beside the others.
+    #[arg(long)]
+    pub keep_parts: bool,
+    /// Refuse collapses after which the surface would cross itself where it did not: for thin shells and layers.
+    #[arg(long)]
+    pub keep_apart: bool,
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
@@ -224,16 +232,19 @@ impl Rules {
             Measure::Measured => ErrorMeasure::Measured,
             Measure::Verified => ErrorMeasure::Verified,
         };
+        let parts = if self.keep_parts { Parts::Keep } else { Parts::Vanish };
         let borders = if self.lock_borders { Borders::Locked } else { Borders::Slide };
-        Ok(Simplifier::new()
+        let simplifier = Simplifier::new()
             .metric(metric)
             .placement(placement)
             .order(order)
             .error_measure(measure)
             .join_distance(self.join_distance as f32)
+            .parts(parts)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
-            .oracle(TriangleQuality::at_least(self.min_quality as f32)))
+            .oracle(TriangleQuality::at_least(self.min_quality as f32));
+        Ok(if self.keep_apart { simplifier.oracle(SelfIntersection::new()) } else { simplifier })
     }
 
     /// What was asked for, for JSON.
@@ -251,6 +262,9 @@ impl Rules {
             ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
+            ("join_distance", json!(self.join_distance)),
+            ("keep_parts", json!(self.keep_parts)),
+            ("keep_apart", json!(self.keep_apart)),
         ]
     }
 
@@ -275,21 +289,11 @@ impl Rules {
         }
     }
 
-    /// Which rules stood in the way where nothing legal was left, and what would loosen them.
-    pub fn obstacles(&self, report: &SimplifyReport) -> String {
-        let hint = |oracle: &str| match oracle {
-            "border" if self.lock_borders => " (leave out --lock-borders)",
-            "seam" => " (--drop leaves out attributes with seams)",
-            "material" => " (--drop material)",
-            "link" => " (keeps the topology; --join-distance joins parts)",
-            "normal flip" => " (a larger --max-turn)",
-            "triangle quality" => " (a smaller --min-quality)",
-            _ => "",
-        };
+    /// Which rules stood in the way where nothing legal was left. What would help: `advice.rs`.
+    pub fn obstacles(report: &SimplifyReport) -> String {
         let list = |number: fn(&Refusal) -> u64| {
             let some = report.refusals.iter().filter(|r| number(r) > 0);
-            let lines: Vec<String> =
-                some.map(|r| format!("{} {}{}", r.oracle, number(r), hint(&r.oracle))).collect();
+            let lines: Vec<String> = some.map(|r| format!("{} {}", r.oracle, number(r))).collect();
             lines.join(", ")
         };
         // What is refused in the end says most; what was on the way says something.

@@ -5,6 +5,7 @@
 //! | `solids.rs` | spheres and boxes |
 //! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
 //! | `nature.rs` | fractal terrain and rocks |
+//! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
@@ -19,6 +20,7 @@
 
 mod awkward;
 mod demo;
+mod islands;
 mod nature;
 mod noise;
 mod part;
@@ -27,6 +29,7 @@ mod tubes;
 
 pub use awkward::{book, bowtie, hub, pillow, plane, soup, spindle, tetrahedron, two_spheres_touching};
 pub use demo::demo;
+pub use islands::{forest, gravel, shell};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
 pub use tubes::{moebius, open_cylinder, torus, torus_knot};

@@ -43,16 +43,31 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 standing,
             })
             .collect();
+        if self.vanishing.rags > 0 {
+            // Such parts are there to vanish as a whole, so none of these stands in the way.
+            refusals.push(Refusal { oracle: "parts".to_owned(), count: self.vanishing.rags, standing: 0 });
+        }
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
+        let report = SimplifyReport {
+            stop,
+            steps: 0,
+            triangles: 0,
+            vertices: 0,
+            error: 0.0,
+            parts_removed: 0,
+            refusals,
+        };
         let mut sequence = self.recorder.finish(report);
         if self.tiled {
             reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
         }
         sequence.fill_report(mesh);
+        if let Some(parts) = &self.parts {
+            sequence.report.parts_removed = parts.removed(&sequence.triangle_end, sequence.len());
+        }
         sequence
     }
 }
