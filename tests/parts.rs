@@ -50,7 +50,7 @@ fn leaves(count: u32, cells: u32) -> Mesh {
     let forest = shapes::forest(count, cells, 7);
     let of = |(t, _): &(usize, &[u32; 3])| forest.materials()[*t] == 0;
     let triangles = forest.triangles().iter().enumerate().filter(of).map(|(_, &corners)| corners);
-    Mesh::new(forest.positions().to_vec(), triangles.collect()).unwrap()
+    Mesh::new(forest.positions().to_vec(), triangles.collect::<Vec<_>>()).unwrap()
 }
 
 fn to(mesh: &Mesh, ratio: f64) -> CollapseSequence {
@@ -160,7 +160,7 @@ fn what_is_held_stays() {
     let first: u32 = parts[..20].iter().sum();
     let mut locks = vec![false; mesh.positions().len()];
     locks[first as usize] = true;
-    let locked = mesh.clone().with_locks(&locks).unwrap();
+    let locked = mesh.clone().with_locks(locks).unwrap();
     let sequence = Simplifier::new().run(&locked).unwrap();
     let level = sequence.extract(&locked, sequence.len());
     assert!(level.positions().contains(&mesh.positions()[first as usize]));

@@ -47,9 +47,18 @@ impl CollapseSequence {
     ///
     /// O(input + pixels).
     pub fn extract_grown(&self, mesh: &Mesh, steps: usize, most: f32) -> (Mesh, Growth) {
-        let level = self.extract(mesh, steps);
+        self.grow(mesh, steps, self.extract(mesh, steps), most)
+    }
+
+    /// Lets the parts of a level grow, as by [`extract_grown`](CollapseSequence::extract_grown): of what
+    /// [`extract`](CollapseSequence::extract) or [`extract_fitted`](CollapseSequence::extract_fitted) gave for the same mesh
+    /// and number of steps. One that has other triangles comes back as it is.
+    pub fn grow(&self, mesh: &Mesh, steps: usize, level: Mesh, most: f32) -> (Mesh, Growth) {
         let none = Growth { coverage: [1.0; 3], ..Growth::default() };
         if steps == 0 || !self.fits(mesh) || level.triangles().is_empty() {
+            return (level, none);
+        }
+        if level.triangles().len() != self.triangles_after(steps) {
             return (level, none);
         }
         let parts = self.level_parts(mesh, &level, steps);
@@ -74,6 +83,9 @@ impl CollapseSequence {
                 number[corner as usize] = used;
                 used += 1;
             }
+        }
+        if used as usize != level.positions().len() {
+            return Vec::new();
         }
         let mut parts: Vec<LevelPart> =
             level_shapes.iter().map(|&now| LevelPart { now, ..LevelPart::default() }).collect();

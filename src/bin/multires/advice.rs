@@ -37,7 +37,7 @@ impl Advice {
         let most = (WORTH * level.triangles().len() as f64) as usize;
         let reached = |changed: &Rules| -> Result<Option<usize>, Failure> {
             let Ok(mesh) = changed.dropped(level.clone()) else { return Ok(None) };
-            let mut simplifier = changed.simplifier(&mesh, place)?;
+            let mut simplifier = changed.simplifier(place)?;
             for &target in targets {
                 simplifier = simplifier.target(target);
             }

@@ -60,6 +60,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
             refusals,
         };
         let mut sequence = self.recorder.finish(report);
+        if !sequence.new_vertices.is_empty() {
+            sequence.solved = self.metric.attribute_names().to_vec();
+        }
         if self.tiled {
             reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
