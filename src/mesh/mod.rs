@@ -20,6 +20,7 @@ mod adjacency;
 mod attribute;
 mod blend;
 mod creases;
+pub(crate) mod crossing;
 mod edges;
 mod gather;
 mod midpoints;

@@ -16,6 +16,7 @@
 //! | `texture.rs` | [`texture_deviation`]: how far the texture slides |
 //! | `sums.rs` | mean, root mean square and maximum |
 //! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `intersections.rs` | [`self_intersections`]: how often a surface crosses itself |
 //! | `images.rs` | [`image_difference`]: what is seen of the difference, over views from all sides |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
 //! | `sight.rs` | what a ray sees: the surface, its side, its normal |
@@ -33,6 +34,7 @@ mod distance;
 mod error;
 mod hash;
 mod images;
+mod intersections;
 mod maximum;
 mod normal_deviation;
 mod normals;
@@ -53,6 +55,7 @@ pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
 pub use images::{ImageDifference, ImageOptions, ReferenceImages, image_difference};
+pub use intersections::self_intersections;
 pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
 pub use parametric::{ParametricDeviation, parametric_deviation};
 pub use picture::Picture;

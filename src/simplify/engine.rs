@@ -17,6 +17,7 @@
 mod around;
 mod finish;
 mod hubs;
+mod vanish;
 mod watch;
 
 use std::ops::ControlFlow;
@@ -29,9 +30,10 @@ use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
 use super::classify::kind;
 use super::errors::Errors;
 use super::metric::{Batch, ErrorMetric, Pair};
-use super::options::{ErrorMeasure, Limits, Order, Progress};
+use super::options::{self, ErrorMeasure, Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
+use super::parts::Parts;
 use super::patch::Patch;
 use super::permissive::Permissive;
 use super::placement::Placement;
@@ -41,6 +43,7 @@ use super::report::StopReason;
 use super::sequence::CollapseSequence;
 use super::simplifier::Settings;
 use super::surface::Surface;
+use vanish::Vanishing;
 
 pub(super) use hubs::HUB;
 use hubs::Hubs;
@@ -57,6 +60,8 @@ const LEAST_COST: f32 = 1e-30;
 
 /// Up to so many candidates of a point are priced together.
 const FEW: usize = 16;
+/// How often pairs without an edge are looked for anew where nothing else is left.
+const LOOKS: usize = 8;
 /// Steps between two calls of the progress callback.
 const PROGRESS_STEPS: usize = 4096;
 
@@ -94,7 +99,7 @@ struct Legal {
 
 /// What the engine is asked to do, besides the metric.
 pub(super) struct Plan<'a> {
-    pub oracles: &'a [Box<dyn Oracle>],
+    pub oracles: &'a mut [Box<dyn Oracle>],
     pub limits: Limits,
     pub settings: &'a Settings,
 }
@@ -103,9 +108,14 @@ pub(super) struct Engine<'a, M> {
     metric: &'a mut M,
     placement: Placement,
     order: Order,
-    oracles: &'a [Box<dyn Oracle>],
+    oracles: &'a mut [Box<dyn Oracle>],
+    /// Those that are told of changes.
+    watchers: Vec<usize>,
     limits: Limits,
     surface: Surface,
+    /// Separate parts, where there are several and they matter.
+    parts: Option<Box<Parts>>,
+    vanishing: Vanishing,
     partners: Partners,
     /// Whether the candidates of a point are all its neighbours and no others.
     looks_at_all: bool,
@@ -144,24 +154,37 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, permissive, join_distance, guard, .. } = settings;
+        let &Settings { placement, order, measure, permissive, join_distance, guard, parts, .. } = settings;
         let (topology, mut surface) = Self::welded(mesh, &settings.tolerances);
         surface.moves_wedges = !placement.keeps_vertices();
         let recorder = Recorder::new(mesh, &topology, &surface);
         let points = surface.point_count();
-        let partners = Partners::new(&surface, f64::from(join_distance) * surface.frame().scale());
+        let watches = |(i, oracle): (usize, &mut Box<dyn Oracle>)| oracle.begin(&surface).then_some(i);
+        let watchers = oracles.iter_mut().enumerate().filter_map(watches).collect();
+        let join_distance = (f64::from(join_distance) * surface.frame().scale()) as f32;
+        let vanishing = Vanishing::new(parts == options::Parts::Vanish, join_distance);
+        let matter = vanishing.is_on || join_distance > 0.0;
+        let mut parts = if matter { Parts::new(&surface).map(Box::new) } else { None };
+        // Where parts vanish, joining is what one does to another that vanishes.
+        let pairs = if vanishing.is_on { 0.0 } else { join_distance };
+        let partners = Partners::new(&surface, parts.as_deref_mut(), pairs);
+        let waiting = points + parts.as_ref().map_or(0, |parts| parts.count());
         Self {
             metric,
             placement,
             order,
+            refusals: vec![0; oracles.len()],
             oracles,
+            watchers,
             limits,
             input_vertices: recorder.live_vertices(),
             looks_at_all: order == Order::Linear && placement == Placement::Endpoint && partners.is_empty(),
             partners,
+            parts,
+            vanishing,
             recorder,
             // With a size asked for, a band is finished before the target is looked at: so it is a narrow one.
-            queue: ClassQueue::new(points, if limits.is_sized() { 16 } else { 32 }),
+            queue: ClassQueue::new(waiting, if limits.is_sized() { 16 } else { 32 }),
             ranks: Vec::new(),
             touched: vec![0; points],
             tiled: false,
@@ -171,7 +194,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             best: vec![NO_BEST; points],
             state: vec![0; points],
             verified: if measure == ErrorMeasure::Verified { vec![NONE; points] } else { Vec::new() },
-            refusals: vec![0; oracles.len()],
             too_far: 0,
             errors: Errors::new(&surface, measure),
             watch: Watch::new(&surface, guard, measure),
@@ -219,13 +241,23 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     break;
                 }
                 None if self.order == Order::Linear => {
+                    if let Some(reason) = self.run_rest(progress) {
+                        stop = reason;
+                        self.recorder.finish_batch();
+                        break;
+                    }
                     if !self.give() {
                         self.recorder.finish_batch();
                         break;
                     }
                 }
                 None => {
-                    if !self.recorder.finish_batch() && !self.give() {
+                    // Of metrics whose costs parts do not compare with, parts go when nothing else does.
+                    if self.recorder.finish_batch() {
+                        self.vanishing.is_last = false;
+                    } else if !self.vanishing.is_last {
+                        self.vanishing.is_last = true;
+                    } else if !self.give() {
                         break;
                     }
                 }
@@ -264,6 +296,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     fn release(&mut self, bit: u16) {
         self.surface.release(bit);
+        self.vanishing.is_last = false;
         self.given.resize(self.recorder.steps(), 0);
         // Later steps stay behind earlier ones, though costs start again.
         self.first_rank = self.ranks.iter().max().map_or(0, |&last| last + 1);
@@ -294,6 +327,41 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             }
         }
         self.best = best;
+        self.queue_parts();
+    }
+
+    /// Goes on in linear order where nothing waits any more: with pairs that have come near since, and then with parts that
+    /// had to wait for everything else.
+    fn run_rest(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
+        let Some(mut parts) = self.parts.take() else { return None };
+        // What is done now comes after everything before.
+        self.vanishing.floor = self.ranks.iter().copied().max().unwrap_or(0);
+        for _ in 0..if self.partners.is_empty() { 0 } else { LOOKS } {
+            let steps = self.recorder.steps();
+            self.partners.look_all(&self.surface, &mut parts);
+            self.parts = Some(parts);
+            self.queue.restart();
+            self.queue_parts();
+            for point in 0..self.state.len() as u32 {
+                if self.state[point as usize] & state::GONE == 0 {
+                    self.state[point as usize] = state::STALE;
+                    self.queue.insert(point, 0.0);
+                }
+            }
+            let stop = self.run_batch(progress);
+            if stop.is_some() {
+                return stop;
+            }
+            parts = self.parts.take()?;
+            if self.recorder.steps() == steps {
+                break;
+            }
+        }
+        self.parts = Some(parts);
+        self.vanishing.is_last = true;
+        self.queue.restart();
+        self.queue_parts();
+        self.run_batch(progress)
     }
 
     /// The cheapest candidate of every point.
@@ -321,24 +389,11 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             if last_band.is_some_and(|band| band != self.queue.bands()) {
                 return Some(StopReason::Target);
             }
-            if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
-                continue;
-            }
-            // Its candidate may have been merged away as a partner without an edge, or be taken by this batch.
-            let other = self.state.get(self.best[point as usize].other as usize);
-            let taken = other.is_some_and(|other| other & (state::GONE | state::TOUCHED) != 0);
-            if taken || self.state[point as usize] & state::STALE != 0 {
-                self.refresh(point);
-                let best = self.best[point as usize];
-                if best.other == NONE {
+            if let Some(part) = (point as usize).checked_sub(self.state.len()) {
+                if !self.serve_part(part as u32) {
                     continue;
                 }
-                if !self.queue.is_due(best.cost) {
-                    self.queue.insert(point, best.cost);
-                    continue;
-                }
-            }
-            if !self.try_collapse(point) {
+            } else if !self.serve_point(point) {
                 continue;
             }
             if last_band.is_none() && self.is_done() {
@@ -370,10 +425,34 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             None if self.wake_rest() => self.queue.pop(),
             next => next,
         };
-        if let Some(point) = next {
-            self.state[point as usize] &= !state::ASLEEP;
+        // Parts are numbered behind the points.
+        if let Some(state) = next.and_then(|point| self.state.get_mut(point as usize)) {
+            *state &= !state::ASLEEP;
         }
         next
+    }
+
+    /// Does the cheapest legal collapse of a point whose turn it is, if it is still its turn. Whether it did one.
+    #[inline]
+    fn serve_point(&mut self, point: u32) -> bool {
+        if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
+            return false;
+        }
+        // Its candidate may have been merged away as a partner without an edge, or be taken by this batch.
+        let other = self.state.get(self.best[point as usize].other as usize);
+        let taken = other.is_some_and(|other| other & (state::GONE | state::TOUCHED) != 0);
+        if taken || self.state[point as usize] & state::STALE != 0 {
+            self.refresh(point);
+            let best = self.best[point as usize];
+            if best.other == NONE {
+                return false;
+            }
+            if !self.queue.is_due(best.cost) {
+                self.queue.insert(point, best.cost);
+                return false;
+            }
+        }
+        self.try_collapse(point)
     }
 
     fn refresh(&mut self, point: u32) {
@@ -429,13 +508,17 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     #[inline]
     fn for_others(&self, point: u32, mut visit: impl FnMut(u32)) {
         let symmetric = self.is_symmetric();
-        let mut look = |other: u32| {
+        self.surface.for_neighbours(point, |other| {
             if !(symmetric && other < point) && self.state[other as usize] & state::TOUCHED == 0 {
                 visit(other);
             }
-        };
-        self.surface.for_neighbours(point, &mut look);
-        self.partners.for_each(point, look);
+        });
+        // Not every point is a partner of its partners: those are looked at from either side.
+        self.partners.for_each(&self.surface, self.parts.as_deref(), point, |other| {
+            if self.state[other as usize] & state::TOUCHED == 0 {
+                visit(other);
+            }
+        });
     }
 
     /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
@@ -526,11 +609,16 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.patch.gather(&self.surface, pair, x);
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
         let mut surcharge = 1.0;
+        let is_joined = self.parts.as_deref().is_some_and(|parts| parts.has_joined(pair));
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
-            if !oracle.allows(&self.surface, &collapse) {
+            if !oracle.allows(&self.surface, &collapse) && !(is_joined && oracle.keeps_topology()) {
                 *count += 1;
                 surcharge *= oracle.surcharge()?.max(1.0);
             }
+        }
+        if self.makes_rag(pair) {
+            self.vanishing.rags += 1;
+            return None;
         }
         Some(Legal { candidate: Candidate { pair, x, object }, surcharge })
     }
@@ -595,6 +683,13 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Some((VERIFIED_WEIGHT * rate * added).max(0.0))
     }
 
+    /// Tells the rules that want to know of a step that was done.
+    fn tell(&mut self, kept: Option<u32>) {
+        for &watcher in &self.watchers {
+            self.oracles[watcher].changed(&self.surface, kept, &self.dead);
+        }
+    }
+
     /// Does a collapse whose patch is in `self.patch`.
     fn commit(&mut self, candidate: Candidate) {
         let Candidate { pair, x, object } = candidate;
@@ -620,20 +715,26 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);
+        self.tell(Some(pair.kept));
         let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
         // Ranks matter from the first tile on; without tiles they ascend by themselves.
         self.tiled |= self.queue.is_tiled();
         let rank = if self.tiled {
             let needed = self.touched[pair.lost as usize].max(self.touched[pair.kept as usize]);
-            (self.first_rank + self.queue.rank()).max(needed)
+            (self.first_rank + self.queue.rank()).max(needed).max(self.vanishing.floor)
         } else {
             self.first_rank + self.queue.rank()
         };
         self.ranks.push(rank);
         self.state[pair.lost as usize] = state::GONE;
         self.queue.remove(pair.lost);
-        self.partners.merge(pair.lost, pair.kept);
+        if let Some(parts) = &mut self.parts {
+            parts.merge(pair.lost, pair.kept, self.dead.len());
+            if !self.partners.is_empty() && self.surface.valence(pair.kept) > 0 {
+                self.partners.look(&self.surface, parts, pair.kept);
+            }
+        }
         self.update_around(pair, rank);
     }
 }

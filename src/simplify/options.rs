@@ -74,6 +74,20 @@ impl Guard {
     }
 }
 
+/// What becomes of separate parts (points joined by triangles) that are as coarse as they get: leaves, pebbles, struts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Parts {
+    /// A part vanishes as a whole, in one step, when that is the cheapest next step by its area and size. The last part
+    /// stays. Parts with a locked vertex stay, and so do those that another rule holds
+    /// ([`Oracle::allows_vanishing`](super::Oracle::allows_vanishing)).
+    #[default]
+    Vanish,
+    /// Every part stays, as far as the other rules have it: of an open one a triangle, of a closed one a tetrahedron.
+    Keep,
+}
+
 /// Which attributes count in what collapses cost, beside the shape.
 ///
 /// They weigh as [`metric::Attributes`](super::metric::Attributes) says: with every metric, at its own exchange rate. A

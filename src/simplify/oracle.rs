@@ -5,6 +5,7 @@
 
 use crate::mesh::NONE;
 
+pub use super::apart::SelfIntersection;
 use super::classify::kind;
 use super::metric::Pair;
 use super::patch::{Facet, Patch, quality};
@@ -61,6 +62,32 @@ pub trait Oracle: Send + Sync {
     fn surcharge(&self) -> Option<f32> {
         None
     }
+
+    /// Called before the first collapse on a surface. Whether the rule wants to be told of changes by
+    /// [`changed`](Oracle::changed). Default: no.
+    fn begin(&mut self, surface: &Surface) -> bool {
+        let _ = surface;
+        false
+    }
+
+    /// Called after each step, where [`begin`](Oracle::begin) asked for it: triangles `dead` are gone, and those around
+    /// `kept` may have changed (`None` where a part vanished and nothing else changed).
+    fn changed(&mut self, surface: &Surface, kept: Option<u32>, dead: &[u32]) {
+        let _ = (surface, kept, dead);
+    }
+
+    /// Whether a part of the surface may vanish as a whole ([`Parts::Vanish`](super::Parts::Vanish)). `points` are all
+    /// its points. Default: yes.
+    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+        let _ = (surface, points);
+        true
+    }
+
+    /// Whether the rule keeps the topology, and so is not asked about parts that were joined
+    /// ([`join_distance`](super::Simplifier::join_distance)): what has grown together is not what it was. Default: no.
+    fn keeps_topology(&self) -> bool {
+        false
+    }
 }
 
 /// The rules that a simplification starts with, in the order they are asked: cheap ones first.
@@ -95,6 +122,10 @@ impl Oracle for Locks {
     fn reads(&self) -> Reads {
         Reads::Pair
     }
+
+    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+        !points.iter().any(|&point| surface.is_locked(point))
+    }
 }
 
 /// What open borders may do.
@@ -120,6 +151,14 @@ impl Oracle for Borders {
 
     fn reads(&self) -> Reads {
         Reads::Pair
+    }
+
+    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+        *self == Self::Slide || !points.iter().any(|&point| surface.is_border(point))
+    }
+
+    fn keeps_topology(&self) -> bool {
+        *self == Self::Slide
     }
 }
 
@@ -149,6 +188,14 @@ impl Oracle for NonManifold {
 
     fn reads(&self) -> Reads {
         Reads::Pair
+    }
+
+    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+        *self == Self::Slide || !points.iter().any(|&point| surface.is_non_manifold(point))
+    }
+
+    fn keeps_topology(&self) -> bool {
+        *self == Self::Slide
     }
 }
 
@@ -262,6 +309,10 @@ pub struct LinkCondition;
 impl Oracle for LinkCondition {
     fn name(&self) -> &str {
         "link"
+    }
+
+    fn keeps_topology(&self) -> bool {
+        true
     }
 
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {

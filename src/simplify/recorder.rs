@@ -221,6 +221,37 @@ impl Recorder {
         }
     }
 
+    /// The substitutions of a part that vanishes: every vertex of `points` is taken for `into`. Asked before the surface
+    /// changes. O(wedges).
+    pub fn vanish(&mut self, surface: &Surface, points: impl Iterator<Item = u32>, into: u32) {
+        let before = self.substitutions.len();
+        for point in points {
+            if self.spans.is_empty() {
+                self.substitutions.push([surface.point_vertex(point), into]);
+            } else {
+                let wedges = self.wedges_of(point);
+                self.substitutions.extend(self.wedges[wedges].iter().map(|&wedge| [wedge, into]));
+                self.spans[point as usize][1] = 0;
+            }
+        }
+        self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - before);
+    }
+
+    /// Leaves a point one vertex, and gives it: the others are taken for that one. Part of a step in which the point's part
+    /// vanishes.
+    pub fn leave_one(&mut self, surface: &Surface, point: u32) -> u32 {
+        if self.spans.is_empty() {
+            return surface.point_vertex(point);
+        }
+        let wedges = self.wedges_of(point);
+        let one = self.wedges[wedges.start];
+        let before = self.substitutions.len();
+        self.substitutions.extend(self.wedges[wedges].iter().skip(1).map(|&wedge| [wedge, one]));
+        self.spans[point as usize][1] = 1;
+        self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - before);
+        one
+    }
+
     /// What the substitutions recorded last make of a vertex.
     pub fn image(&self, vertex: u32, first: usize) -> u32 {
         self.substitutions[first..].iter().find(|s| s[0] == vertex).map_or(vertex, |s| s[1])

@@ -54,6 +54,9 @@ pub struct SimplifyReport {
     pub curve_error: f32,
     /// What became of normals.
     pub normals: NormalsDone,
+    /// Parts of the input (points joined by triangles) of which nothing is left. 0 in sequences that were not made by a
+    /// [`Simplifier`](super::Simplifier).
+    pub parts_removed: usize,
     /// Refusals, one entry per oracle in the order they were asked.
     pub refusals: Vec<Refusal>,
     /// Collapses by which seams, creases and material borders gave ([`Permissive`](super::Permissive)).
@@ -72,6 +75,7 @@ impl SimplifyReport {
             surface_error: 0.0,
             curve_error: 0.0,
             normals: NormalsDone::Kept,
+            parts_removed: 0,
             refusals: Vec::new(),
             given_up: GivenUp::default(),
         }

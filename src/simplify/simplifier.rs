@@ -7,7 +7,9 @@ use crate::mesh::{Mesh, Tolerances, names};
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
 use super::normals::{Normals, NormalsDone};
-use super::options::{AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Progress, Target};
+use super::options::{
+    AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Parts, Progress, Target,
+};
 use super::oracle::{Oracle, default_oracles};
 use super::permissive::Permissive;
 use super::placement::Placement;
@@ -62,6 +64,7 @@ pub(super) struct Settings {
     pub join_distance: f32,
     pub tolerances: Tolerances,
     pub guard: Guard,
+    pub parts: Parts,
     pub attributes: AttributeWeights,
     pub normals: Normals,
 }
@@ -173,8 +176,12 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// Lets points that no edge joins be merged when they are at most this far apart (object units), so that separate
-    /// parts may grow together (TOM 4.1). Default 0: never.
+    /// Lets separate parts grow together when they are at most this far apart (object units). Default 0: never.
+    ///
+    /// With [`Parts::Vanish`] a corner of the nearest kin moves to the far end of a part that vanishes, where that is within
+    /// this distance, so that less of what was covered is lost. With [`Parts::Keep`] points of different parts may be merged
+    /// (vertex pairs, TOM 4.1): every point looks at the eight nearest of other parts, again when it was merged itself; about
+    /// parts that were joined, rules that keep the topology are not asked ([`Oracle::keeps_topology`]).
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
@@ -201,6 +208,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn normals(mut self, normals: Normals) -> Self {
         self.settings.normals = normals;
+        self
+    }
+
+    /// Whether separate parts vanish as a whole when that is the cheapest step. Default: [`Parts::Vanish`].
+    #[must_use]
+    pub fn parts(mut self, parts: Parts) -> Self {
+        self.settings.parts = parts;
         self
     }
 
@@ -234,7 +248,7 @@ impl<M: ErrorMetric> Simplifier<M> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
         let normals = self.settings.normals(mesh)?;
-        let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
+        let plan = Plan { oracles: &mut self.oracles, limits, settings: &self.settings };
         let bare = normals.bare(mesh);
         let mesh = bare.as_ref().unwrap_or(mesh);
         let mut sequence = match self.settings.attributes.of(mesh)? {

@@ -443,11 +443,7 @@ impl Surface {
             }
             _ => self.remove_many(lost, dead),
         }
-        if self.has_sheets() {
-            for leader in 0..dead.len() {
-                dead.extend_from_slice(self.sheets.followers(dead[leader]));
-            }
-        }
+        self.add_followers(dead);
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
         self.live_points += usize::from(self.stars.of(kept).is_empty() && !moved.is_empty());
@@ -463,6 +459,33 @@ impl Surface {
         }
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
+    }
+
+    /// Takes away points with all their triangles, which must have no other corners. `dead` receives the triangles.
+    pub(crate) fn vanish(&mut self, points: &[u32], dead: &mut Vec<u32>) {
+        dead.clear();
+        for &point in points {
+            self.live_points -= usize::from(self.valence(point) != 0);
+            for &entry in self.stars.of(point) {
+                let corners = &mut self.triangles[(entry >> 2) as usize];
+                if corners[0] != NONE {
+                    *corners = [NONE; 3];
+                    dead.push(entry >> 2);
+                }
+            }
+            self.stars.clear(point);
+        }
+        self.add_followers(dead);
+        self.live -= dead.len();
+    }
+
+    /// Adds to dead triangles those that die with them.
+    fn add_followers(&self, dead: &mut Vec<u32>) {
+        if self.has_sheets() {
+            for leader in 0..dead.len() {
+                dead.extend_from_slice(self.sheets.followers(dead[leader]));
+            }
+        }
     }
 
     /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.

@@ -39,6 +39,8 @@ pub(super) struct Witnesses {
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
+    /// Where the witnesses of a part that vanishes would go: witness, squared distance and triangle.
+    handed: Vec<(u32, f32, u32)>,
     /// Squared distance of each witness when it was placed last; empty unless asked to remember.
     placed: Vec<f32>,
     /// Area per input point.
@@ -146,6 +148,7 @@ impl Witnesses {
             budget: 0,
             largest: 0.0,
             heads: Vec::new(),
+            handed: Vec::new(),
             share: area(surface) / surface.live_points().max(1) as f32,
             placed: if remember { vec![0.0; points] } else { Vec::new() },
         }
@@ -221,6 +224,67 @@ impl Witnesses {
         }
         self.largest = self.largest.max(worst);
         worst.sqrt()
+    }
+
+    /// The largest distance to what is left, inner units, of the witnesses on a part of `points` that vanishes, and of
+    /// those points: `nearest` gives the squared distance of a position and the triangle that has it.
+    pub fn measure_vanishing(
+        &mut self,
+        surface: &Surface,
+        points: &[u32],
+        mut nearest: impl FnMut(Vec3) -> (f32, u32),
+    ) -> f32 {
+        let mut handed = std::mem::take(&mut self.handed);
+        handed.clear();
+        let mut worst: f32 = 0.0;
+        let mut hand = |witnesses: &Self, witness: u32| {
+            let (distance, triangle) = nearest(witnesses.points[witness as usize].position);
+            worst = worst.max(distance);
+            handed.push((witness, distance, triangle));
+        };
+        for &point in points {
+            if !self.merged[point as usize] {
+                hand(self, point);
+            }
+            // Each triangle once, from its first corner.
+            for corner in surface.star(point).filter(|corner| corner.slot == 0) {
+                let mut at = self.head[corner.triangle as usize];
+                while at != NONE {
+                    hand(self, at);
+                    at = self.points[at as usize].next;
+                }
+            }
+        }
+        self.handed = handed;
+        worst.sqrt()
+    }
+
+    /// Hands over what was measured last, just before the part vanishes; the largest distance, inner units.
+    pub fn vanish(&mut self, surface: &Surface, points: &[u32]) -> f32 {
+        for &point in points {
+            self.merged[point as usize] = true;
+            for corner in surface.star(point) {
+                self.head[corner.triangle as usize] = NONE;
+            }
+        }
+        let mut worst: f32 = 0.0;
+        for &(witness, distance, triangle) in &self.handed {
+            worst = worst.max(distance);
+            if let Some(placed) = self.placed.get_mut(witness as usize) {
+                *placed = distance;
+            }
+            if triangle != NONE {
+                self.points[witness as usize].next = self.head[triangle as usize];
+                self.head[triangle as usize] = witness;
+            }
+        }
+        self.largest = self.largest.max(worst);
+        worst.sqrt()
+    }
+
+    /// Witness, squared distance and triangle of what was measured last.
+    pub fn handed(&self) -> &[(u32, f32, u32)] {
+        &self.handed
     }
 
     /// The new patch as sectors.

@@ -172,6 +172,7 @@ impl Build {
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
             "given_up": rules::given_up(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });
@@ -219,6 +220,7 @@ impl Build {
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
             "given_up": rules::given_up(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });

@@ -5,10 +5,10 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
-use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
+use multires::simplify::oracle::{Borders, NormalFlip, SelfIntersection, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Order, Permissive, Placement,
-    Refusal, Simplifier, SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Order, Parts, Permissive,
+    Placement, Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
@@ -17,7 +17,7 @@ use crate::output::Failure;
 /// What stands for material ids where attributes are named.
 const MATERIAL: &str = "material";
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Rules {
     /// What a collapse costs.
     #[arg(long, value_name = "M", default_value = "quadric", value_parser = metric_name())]
@@ -63,6 +63,12 @@ pub struct Rules {
     /// Let parts that are at most this far apart (object units) grow together.
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative)]
     pub join_distance: f64,
+    /// Keep every separate part: none vanishes as a whole, however small it is beside the others.
+    #[arg(long)]
+    pub keep_parts: bool,
+    /// Refuse collapses after which the surface would cross itself where it did not: for thin shells and layers.
+    #[arg(long)]
+    pub keep_apart: bool,
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
@@ -227,7 +233,7 @@ impl Rules {
     }
 
     /// The mesh without what is to be left out.
-    fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+    pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
         let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
         if self.drop.is_empty() {
             return Ok(mesh);
@@ -274,8 +280,9 @@ impl Rules {
             Measure::Measured => ErrorMeasure::Measured,
             Measure::Verified => ErrorMeasure::Verified,
         };
+        let parts = if self.keep_parts { Parts::Keep } else { Parts::Vanish };
         let borders = if self.lock_borders { Borders::Locked } else { Borders::Slide };
-        Ok(Simplifier::new()
+        let simplifier = Simplifier::new()
             .metric(metric)
             .placement(placement)
             .order(order)
@@ -290,9 +297,11 @@ impl Rules {
             .join_distance(self.join_distance as f32)
             .tolerances(self.weld_tolerance.tolerances.clone())
             .guard(if self.guard == Switch::On { Guard::On } else { Guard::Off })
+            .parts(parts)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
-            .oracle(TriangleQuality::at_least(self.min_quality as f32)))
+            .oracle(TriangleQuality::at_least(self.min_quality as f32));
+        Ok(if self.keep_apart { simplifier.oracle(SelfIntersection::new()) } else { simplifier })
     }
 
     /// What was asked for, for JSON.
@@ -314,6 +323,9 @@ impl Rules {
             ("weld", json!(self.weld)),
             ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
             ("permissive", json!(self.permissive_name())),
+            ("join_distance", json!(self.join_distance)),
+            ("keep_parts", json!(self.keep_parts)),
+            ("keep_apart", json!(self.keep_apart)),
         ]
     }
 
@@ -346,21 +358,11 @@ impl Rules {
         }
     }
 
-    /// Which rules stood in the way where nothing legal was left, and what would loosen them.
-    pub fn obstacles(&self, report: &SimplifyReport) -> String {
-        let hint = |oracle: &str| match oracle {
-            "border" if self.lock_borders => " (leave out --lock-borders)",
-            "seam" => " (--drop leaves out attributes with seams)",
-            "material" => " (--drop material)",
-            "link" => " (keeps the topology; --join-distance joins parts)",
-            "normal flip" => " (a larger --max-turn)",
-            "guard" => " (would ruin the shape; --guard off)",
-            _ => "",
-        };
+    /// Which rules stood in the way where nothing legal was left. What would help: `advice.rs`.
+    pub fn obstacles(report: &SimplifyReport) -> String {
         let list = |number: fn(&Refusal) -> u64| {
             let some = report.refusals.iter().filter(|r| number(r) > 0);
-            let lines: Vec<String> =
-                some.map(|r| format!("{} {}{}", r.oracle, number(r), hint(&r.oracle))).collect();
+            let lines: Vec<String> = some.map(|r| format!("{} {}", r.oracle, number(r))).collect();
             lines.join(", ")
         };
         // What is refused in the end says most; what was on the way says something.

@@ -5,6 +5,7 @@
 //! | `solids.rs` | spheres and boxes |
 //! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
 //! | `nature.rs` | fractal terrain and rocks |
+//! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
 //! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
@@ -21,6 +22,7 @@
 mod awkward;
 mod cad;
 mod demo;
+mod islands;
 mod nature;
 mod noise;
 mod part;
@@ -33,6 +35,7 @@ pub use cad::{
     ring_with_ramps, stepped_shaft, two_material_plate, washer,
 };
 pub use demo::demo;
+pub use islands::{forest, gravel, shell};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
 pub use tubes::{moebius, open_cylinder, torus, torus_knot};

@@ -61,7 +61,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.offer_to(pair.kept, &others);
                 self.dead = others;
                 ring.clear();
-                self.partners.for_each(pair.kept, |n| ring.push(n));
+                self.partners.for_each(&self.surface, self.parts.as_deref(), pair.kept, |n| ring.push(n));
                 self.offer(pair.kept, &ring);
                 self.ring = ring;
                 return;
@@ -82,7 +82,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.offer(pair.kept, &ring);
             }
             ring.clear();
-            self.partners.for_each(pair.kept, |n| ring.push(n));
+            self.partners.for_each(&self.surface, self.parts.as_deref(), pair.kept, |n| ring.push(n));
             self.offer(pair.kept, &ring);
             if self.best[pair.kept as usize].other != NONE {
                 self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);

@@ -57,6 +57,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 standing,
             })
             .collect();
+        if self.vanishing.rags > 0 {
+            // Such parts are there to vanish as a whole, so none of these stands in the way.
+            refusals.push(Refusal { oracle: "parts".to_owned(), count: self.vanishing.rags, standing: 0 });
+        }
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
@@ -80,6 +84,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         sequence.tell_apart(&parts);
         sequence.fill_report(mesh);
+        if let Some(parts) = &self.parts {
+            sequence.report.parts_removed = parts.removed(&sequence.triangle_end, sequence.len());
+        }
         sequence
     }
 }
