@@ -14,6 +14,7 @@
 //! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
 //! | `parametric.rs` | [`parametric_deviation`]: how far points travel under a sequence's collapses |
 //! | `texture.rs` | [`texture_deviation`]: how far the texture slides |
+//! | `nearest.rs` | [`SurfacePoint`]: samples of a surface, and its nearest points |
 //! | `sums.rs` | mean, root mean square and maximum |
 //! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
 //! | `images.rs` | [`image_difference`]: what is seen of the difference, over views from all sides |
@@ -34,6 +35,7 @@ mod error;
 mod hash;
 mod images;
 mod maximum;
+mod nearest;
 mod normal_deviation;
 mod normals;
 pub mod palette;
@@ -53,6 +55,7 @@ pub use camera::Camera;
 pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distances};
 pub use error::QualityError;
 pub use images::{ImageDifference, ImageOptions, ReferenceImages, image_difference};
+pub use nearest::SurfacePoint;
 pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
 pub use parametric::{ParametricDeviation, parametric_deviation};
 pub use picture::Picture;

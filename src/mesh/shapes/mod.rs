@@ -6,6 +6,7 @@
 //! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
 //! | `nature.rs` | fractal terrain and rocks |
 //! | `awkward.rs` | the smallest meshes that break careless code |
+//! | `game.rs` | what games are made of: atlases, materials, mirrored halves, cards, facets, skins, paint |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
@@ -19,6 +20,7 @@
 
 mod awkward;
 mod demo;
+mod game;
 mod nature;
 mod noise;
 mod part;
@@ -27,6 +29,7 @@ mod tubes;
 
 pub use awkward::{book, bowtie, hub, pillow, plane, soup, spindle, tetrahedron, two_spheres_touching};
 pub use demo::demo;
+pub use game::{flat_rock, painted_disc, prop, robot, skinned_tube, tree};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
 pub use tubes::{moebius, open_cylinder, torus, torus_knot};
