@@ -48,6 +48,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let report = SimplifyReport { stop, steps: 0, triangles: 0, vertices: 0, error: 0.0, refusals };
         let mut sequence = self.recorder.finish(report);
+        if !sequence.new_vertices.is_empty() {
+            sequence.solved = self.metric.attribute_names().to_vec();
+        }
         if self.tiled {
             reorder::sort_by_rank(&mut sequence, &self.ranks);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);

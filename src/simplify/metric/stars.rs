@@ -137,6 +137,12 @@ impl Stars {
         star
     }
 
+    /// The sum of the squared lengths of the normals around a point (and of planes upright there).
+    #[inline]
+    pub fn squares(&self, point: u32) -> f64 {
+        self.stars[point as usize].planes.trace()
+    }
+
     fn is_feature(&self, surface: &Surface, point: u32, other: u32) -> bool {
         surface.kind(other) & kind::FEATURE != 0 && surface.is_feature_edge(point, other)
     }

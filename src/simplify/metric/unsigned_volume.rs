@@ -10,8 +10,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::region::{at, cheapest_place, finite, for_lost, for_region};
-use super::{Batch, ErrorMetric, Pair};
+use super::region::{at, cheapest_place, cheapest_place_with, finite, for_lost, for_region};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
@@ -57,5 +57,19 @@ impl ErrorMetric for UnsignedVolume {
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+
+    /// The volume between the surface and one that is off by as much.
+    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+        finite(off.volume())
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        cheapest_place_with(self, surface, pair, attributes)
     }
 }
