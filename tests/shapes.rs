@@ -269,8 +269,10 @@ fn uv_area(uv: &[f32], triangle: [u32; 3]) -> f32 {
 #[test]
 fn game_models_take_any_argument() {
     for n in [0, 1, 2, 3, 9] {
-        for mesh in [shapes::prop(n), shapes::robot(n), shapes::tree(n), shapes::flat_rock(n, n)] {
-            check(&mesh);
+        let all = [shapes::prop(n), shapes::robot(n), shapes::tree(n), shapes::flat_rock(n, n)];
+        for (which, mesh) in all.iter().enumerate() {
+            println!("shape {which} of {n}");
+            check(mesh);
         }
         check(&shapes::skinned_tube(n, n));
         check(&shapes::painted_disc(n, n));

@@ -6,7 +6,7 @@
 //! multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
 //!                    [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]
 //! multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1] [--samples 40000]
-//!                     [--out DIR] [--view 0] [--json]
+//!                     [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0] [--json]
 //! multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]
 //! ```
 //!
@@ -49,7 +49,8 @@ const USAGE: &str =
        multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
                           [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]
        multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1]
-                           [--samples 40000] [--out DIR] [--view 0] [--json]
+                           [--samples 40000] [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0]
+                           [--json]
        multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]";
 
 /// What to measure, and how often.

@@ -61,7 +61,7 @@ pub fn prop(n: u32) -> Mesh {
         // Boards, then the four sides of the frame: each a grid of its own with the same positions where they meet.
         let charts = [Chart::cell(2 * face as u32, 4, 3), Chart::cell(2 * face as u32 + 1, 4, 3)];
         let share = |i: u32| f64::from(i) / f64::from(n);
-        let mut grid = |part: &mut Part, chart: Chart, from: [u32; 2], to: [u32; 2]| {
+        let grid = |part: &mut Part, chart: Chart, from: [u32; 2], to: [u32; 2]| {
             part.add_grid(to[0] - from[0], to[1] - from[1], |column, row| {
                 let [column, row] = [from[0] + column, from[1] + row];
                 (place(column, row), chart.at(share(column), share(row)))
@@ -246,10 +246,10 @@ pub fn flat_rock(triangles: u32, seed: u32) -> Mesh {
 /// A tube along y, two units high, skinned to five joints: four joints and weights a vertex, weights that sum to 1,
 /// with normals and a texture seam along one side. `2 * segments * rows` triangles.
 ///
-/// Joints come in whatever order is theirs, so neighbours have the same joints in other slots. At least 3 segments and
+/// Joints come in whatever order is theirs, so neighbours have the same joints in other slots. At least 4 segments and
 /// 2 rows, at most 2^28 cells. Open at both ends. O(n).
 pub fn skinned_tube(segments: u32, rows: u32) -> Mesh {
-    let [segments, rows] = fit(segments, rows, [3, 2]);
+    let [segments, rows] = fit(segments, rows, [4, 2]);
     let height = |row: u32| f64::from(row) / f64::from(rows);
     let part = Part::grid(segments, rows, |column, row| {
         let [sin, cos] = sin_cos(f64::from(column % segments) / f64::from(segments));

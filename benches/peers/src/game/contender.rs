@@ -7,8 +7,8 @@ use std::error::Error;
 
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use multires::mesh::{Attribute, AttributeValues, Mesh, names};
-use multires::simplify::metric::{LindstromTurk, WithAttributes};
-use multires::simplify::{CollapseSequence, Placement, Simplifier, Target};
+use multires::simplify::metric::LindstromTurk;
+use multires::simplify::{ErrorMetric, Placement, Simplifier, Target};
 
 use super::model::{Model, floats, gather, uv_area};
 
@@ -32,8 +32,8 @@ pub(crate) enum Output {
     Split(Vec<u32>),
     /// The same, with new positions and attributes, interleaved as [`Attributes`] says.
     Updated { indices: Vec<u32>, positions: Vec<[f32; 3]>, values: Vec<f32>, width: usize },
-    /// The whole sequence.
-    Sequence(Box<CollapseSequence>),
+    /// A mesh of its own.
+    Mesh(Box<Mesh>),
 }
 
 /// Every contender, in the order they run.
@@ -170,21 +170,23 @@ fn update(model: &Model, triangles: usize) -> Outcome {
 }
 
 fn default(model: &Model, triangles: usize) -> Outcome {
-    let mut simplifier = Simplifier::new().metric(WithAttributes::new(&model.mesh));
-    simplifier = simplifier.target(Target::Triangles(triangles));
-    Ok(Output::Sequence(Box::new(simplifier.run(&model.mesh)?)))
+    fitted(model, Simplifier::new().target(Target::Triangles(triangles)))
 }
 
 fn optimal(model: &Model, triangles: usize) -> Outcome {
-    let mut simplifier = Simplifier::new().metric(WithAttributes::new(&model.mesh));
-    simplifier = simplifier.placement(Placement::Optimal).target(Target::Triangles(triangles));
-    Ok(Output::Sequence(Box::new(simplifier.run(&model.mesh)?)))
+    fitted(model, Simplifier::new().placement(Placement::Optimal).target(Target::Triangles(triangles)))
 }
 
 fn lindstrom_turk(model: &Model, triangles: usize) -> Outcome {
     let simplifier = Simplifier::new().metric(LindstromTurk::new()).placement(Placement::Optimal);
-    let mut simplifier = simplifier.target(Target::Triangles(triangles));
-    Ok(Output::Sequence(Box::new(simplifier.run(&model.mesh)?)))
+    fitted(model, simplifier.target(Target::Triangles(triangles)))
+}
+
+/// Simplifies, and fits the last level's attributes, as `multires simplify` does.
+fn fitted<M: ErrorMetric>(model: &Model, simplifier: Simplifier<M>) -> Outcome {
+    let mut simplifier = simplifier.attributes(model.weights.clone());
+    let sequence = simplifier.run(&model.mesh)?;
+    Ok(Output::Mesh(Box::new(sequence.extract_fitted(&model.mesh, sequence.len()))))
 }
 
 impl Output {
@@ -200,7 +202,7 @@ impl Output {
             Self::Updated { indices, positions, values, width } => {
                 updated(model, &indices, &positions, &values, width)
             }
-            Self::Sequence(sequence) => Ok(sequence.extract(&model.mesh, sequence.len())),
+            Self::Mesh(mesh) => Ok(*mesh),
         }
     }
 }

@@ -47,6 +47,9 @@ pub(crate) fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     if options.generated {
         models.extend(generated()?);
     }
+    if let Some(weights) = options.weights {
+        models = models.into_iter().map(|model| model.with_weights(weights)).collect();
+    }
     if let Some(directory) = &options.out {
         std::fs::create_dir_all(directory)?;
     }

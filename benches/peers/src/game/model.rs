@@ -9,6 +9,9 @@ use std::path::Path;
 
 use meshopt::SimplifyVertex;
 use multires::mesh::{Attribute, AttributeValues, Mesh, Topology, names};
+use multires::simplify::AttributeWeights;
+
+use super::picture::units_per_uv;
 
 /// A named model.
 pub(crate) struct Model {
@@ -19,6 +22,8 @@ pub(crate) struct Model {
     pub material_of: Vec<u32>,
     /// What the other simplifier's permissive mode gets.
     pub protected: Protected,
+    /// What attributes weigh for ours.
+    pub weights: AttributeWeights,
 }
 
 /// The mesh with its vertices split where texture coordinates are mirrored.
@@ -84,7 +89,18 @@ impl Model {
             split = split.with_materials(ids)?;
         }
         let protected = Protected::new(&split, &material_of);
-        Ok(Self { name: name.to_owned(), mesh: split, material_of, protected })
+        let weights = AttributeWeights::default();
+        Ok(Self { name: name.to_owned(), mesh: split, material_of, protected, weights })
+    }
+
+    /// With these weights of normals, of a texture that slides and of colours, in place of the customary ones.
+    pub(crate) fn with_weights(mut self, [normal, slide, colour]: [f32; 3]) -> Self {
+        let units = units_per_uv(&self.mesh) / self.mesh.diagonal();
+        let weights = [(names::NORMAL, normal), (names::UV, slide * units as f32), (names::COLOR, colour)];
+        let here = weights.iter().filter(|(name, _)| self.mesh.attribute(name).is_some());
+        self.weights =
+            AttributeWeights::Chosen(here.map(|&(name, weight)| (name.to_owned(), weight)).collect());
+        self
     }
 
     /// Triangles on the mesh's vertices as a mesh of its own, each with the material of its vertices.

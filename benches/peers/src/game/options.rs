@@ -12,6 +12,8 @@ pub(crate) struct Options {
     pub runs: usize,
     pub samples: usize,
     pub only: Vec<String>,
+    /// What normals, a texture that slides and colours weigh for ours; customary where not given.
+    pub weights: Option<[f32; 3]>,
     pub out: Option<PathBuf>,
     /// The side from which pictures are written, 0 to 11.
     pub view: usize,
@@ -27,6 +29,7 @@ impl Options {
             runs: 1,
             samples: super::SAMPLES,
             only: Vec::new(),
+            weights: None,
             out: None,
             view: 0,
             json: false,
@@ -44,6 +47,15 @@ impl Options {
                         .collect::<Result<_, _>>()?;
                 }
                 "--only" => options.only.extend(value()?.split(',').map(str::to_owned)),
+                "--weights" => {
+                    let text = value()?;
+                    let weights: Vec<f32> = text
+                        .split(',')
+                        .map(|w| number(&argument, w, 0.0..=1000.0))
+                        .collect::<Result<_, _>>()?;
+                    let weights = weights.try_into();
+                    options.weights = Some(weights.map_err(|_| format!("{argument} takes three numbers"))?);
+                }
                 "--out" => options.out = Some(value()?.into()),
                 "--view" => options.view = number(&argument, &value()?, 0..=11)?,
                 "--json" => options.json = true,

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use multires::mesh::Mesh;
 use multires::quality::{DistanceOptions, Surface};
-use multires::simplify::metric::WithAttributes;
 use multires::simplify::{Simplifier, StopReason, Target};
 use serde_json::{Value, json};
 
@@ -119,11 +118,10 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> 
 fn measure(name: &str, mesh: &Mesh, percent: f64) -> Result<Option<Row>, Box<dyn Error>> {
     let Ok(surface) = Surface::new(mesh) else { return Ok(None) };
     let target = (mesh.triangles().len() as f64 * percent / 100.0).floor() as usize;
-    let mut simplifier = Simplifier::new().metric(WithAttributes::new(mesh));
-    simplifier = simplifier.target(Target::Triangles(target));
+    let mut simplifier = Simplifier::new().target(Target::Triangles(target));
     let (sequence, [ms, _]) = timed(|| simplifier.run(mesh));
     let sequence = sequence?;
-    let level = sequence.extract(mesh, sequence.len());
+    let level = sequence.extract_fitted(mesh, sequence.len());
     let report = sequence.report();
     let max = match Surface::new(&level) {
         Ok(level) => {
