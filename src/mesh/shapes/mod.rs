@@ -8,6 +8,7 @@
 //! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
 //! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
+//! | `game.rs` | what games are made of: atlases, materials, mirrored halves, cards, facets, skins, paint |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
@@ -22,6 +23,7 @@
 mod awkward;
 mod cad;
 mod demo;
+mod game;
 mod islands;
 mod nature;
 mod noise;
@@ -35,6 +37,7 @@ pub use cad::{
     ring_with_ramps, stepped_shaft, two_material_plate, washer,
 };
 pub use demo::demo;
+pub use game::{flat_rock, painted_disc, prop, robot, skinned_tube, tree};
 pub use islands::{forest, gravel, shell};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
