@@ -255,7 +255,9 @@ impl CollapseSequence {
         if steps == 0 || !self.fits(mesh) {
             return level;
         }
-        let attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
+        let (triangles, origin) = self.triangles_at(mesh, steps);
+        let places = self.places(mesh, steps, &triangles, &level);
+        let attributes = refit(mesh, &level, &origin, &places);
         level.with_attributes(attributes)
     }
 
@@ -266,12 +268,12 @@ impl CollapseSequence {
         if !self.fits(mesh) {
             return Vec::new();
         }
-        deviations(mesh, level, &self.places(mesh, steps, level))
+        let (triangles, _) = self.triangles_at(mesh, steps);
+        deviations(mesh, level, &self.places(mesh, steps, &triangles, level))
     }
 
     /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
-    fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
-        let (triangles, _) = self.triangles_at(mesh, steps);
+    fn places(&self, mesh: &Mesh, steps: usize, triangles: &[[u32; 3]], level: &Mesh) -> Vec<Place> {
         if triangles.len() != level.triangles().len() {
             return Vec::new();
         }
