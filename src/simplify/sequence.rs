@@ -308,7 +308,9 @@ impl CollapseSequence {
             return self.extract(mesh, steps);
         }
         let level = self.level(mesh, steps);
-        let mut attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
+        let (triangles, origin) = self.triangles_at(mesh, steps);
+        let places = self.places(mesh, steps, &triangles, &level);
+        let mut attributes = refit(mesh, &level, &origin, &places);
         keep_sides(level.positions(), level.triangles(), level.attributes(), &mut attributes);
         self.report.normals.finish(level.with_attributes(attributes))
     }
@@ -320,11 +322,12 @@ impl CollapseSequence {
         if !self.fits(mesh) {
             return Vec::new();
         }
+        let (triangles, _) = self.triangles_at(mesh, steps);
         if steps == 0 || self.report.normals == NormalsDone::Kept {
-            return deviations(mesh, level, &self.places(mesh, steps, level));
+            return deviations(mesh, level, &self.places(mesh, steps, &triangles, level));
         }
         // Its vertices may be split, but its triangles are the same.
-        let places = self.places(mesh, steps, &self.level(mesh, steps));
+        let places = self.places(mesh, steps, &triangles, &self.level(mesh, steps));
         if places.is_empty() || level.triangles().len() != self.triangles_after(steps) {
             return Vec::new();
         }
@@ -332,8 +335,7 @@ impl CollapseSequence {
     }
 
     /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
-    fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
-        let (triangles, _) = self.triangles_at(mesh, steps);
+    fn places(&self, mesh: &Mesh, steps: usize, triangles: &[[u32; 3]], level: &Mesh) -> Vec<Place> {
         if triangles.len() != level.triangles().len() {
             return Vec::new();
         }
