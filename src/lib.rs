@@ -47,6 +47,7 @@
 //! | [`error`] | what can be wrong with arrays that are handed in |
 //!
 //! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
+//! `docs/guide/further.md`,
 //! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/wavelet.md`, `docs/guide/engine.md`,
 //! `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
 //!
@@ -101,6 +102,8 @@ mod chapters {
     struct Input;
     #[doc = include_str!("../docs/guide/simplification.md")]
     struct Simplification;
+    #[doc = include_str!("../docs/guide/further.md")]
+    struct Further;
     #[doc = include_str!("../docs/guide/tom.md")]
     struct Tom;
     #[doc = include_str!("../docs/guide/hierarchy.md")]
