@@ -4,6 +4,8 @@
 //! |---|---|
 //! | `mod.rs` | [`Mesh`], validated once and infallible afterwards |
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
+//! | `blend.rs` | what a vertex between two others carries |
+//! | `creases.rs` | [`Creases`]: normals from the triangles, smooth up to an angle |
 //! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
 //! | `tolerances.rs` | [`Tolerances`]: up to which differences wedges are one |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
@@ -16,6 +18,9 @@
 
 mod adjacency;
 mod attribute;
+mod blend;
+mod creases;
+pub(crate) mod crossing;
 mod edges;
 mod gather;
 mod midpoints;
@@ -27,11 +32,14 @@ mod topology;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
+pub use creases::{Creases, NormalWeights};
 pub use edges::Edges;
 pub(crate) use near::{border_twins, rounding};
 pub use report::Report;
 pub use tolerances::Tolerances;
 pub use topology::Topology;
+
+pub(crate) use blend::Blender;
 
 use crate::error::MeshError;
 

@@ -106,6 +106,9 @@ pub enum SequenceError {
         /// Triangles that vanish later or never.
         expected: usize,
     },
+    /// Normals are to be recomputed with a crease angle that is none.
+    #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
+    BadCreases,
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
     TooMany {
@@ -159,17 +162,12 @@ impl CollapseSequence {
             step_start: vec![0],
             step_error: Vec::new(),
             max_error: Vec::new(),
+            surface_error: Vec::new(),
+            curve_error: Vec::new(),
             triangles_after: Vec::new(),
             triangle_end: vec![0; mesh.triangles().len()],
             batch_end: Vec::new(),
-            report: SimplifyReport {
-                stop: StopReason::NothingLegal,
-                steps: 0,
-                triangles: 0,
-                vertices: 0,
-                error: 0.0,
-                refusals: Vec::new(),
-            },
+            report: SimplifyReport::new(StopReason::NothingLegal),
         };
         let mut place = vec![NONE; inputs];
         for (substitutions, error) in steps {
@@ -248,6 +246,7 @@ impl CollapseSequence {
         self.report.triangles = base as usize;
         self.report.vertices = used.iter().filter(|&&u| u).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.report.error;
         Ok(self)
     }
 }

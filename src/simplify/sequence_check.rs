@@ -31,10 +31,17 @@ impl CollapseSequence {
         expect("reported steps", self.report.steps, steps)?;
         expect("reported triangles", self.report.triangles, self.triangles_after(steps))?;
         expect_most("reported vertices", self.report.vertices, self.vertex_count())?;
-        if self.report.error == self.error_after(steps) {
-            Ok(())
-        } else {
-            Err(SequenceError::BadError { step: steps, error: self.report.error })
+        if !self.report.normals.is_valid() {
+            return Err(SequenceError::BadCreases);
+        }
+        let reported = [
+            (self.report.error, self.error_after(steps)),
+            (self.report.surface_error, self.surface_error_after(steps)),
+            (self.report.curve_error, self.curve_error_after(steps)),
+        ];
+        match reported.into_iter().find(|(found, expected)| found != expected) {
+            Some((error, _)) => Err(SequenceError::BadError { step: steps, error }),
+            None => Ok(()),
         }
     }
 
@@ -60,6 +67,20 @@ impl CollapseSequence {
             largest = largest.max(error);
             if bound != largest {
                 return Err(SequenceError::BadError { step, error: bound });
+            }
+        }
+        let told_apart = self.surface_error.len().max(self.curve_error.len());
+        if told_apart > 0 {
+            expect("surface errors", self.surface_error.len(), steps)?;
+            expect("curve errors", self.curve_error.len(), steps)?;
+            let (mut before, errors) = ([0.0; 2], self.surface_error.iter().zip(&self.curve_error));
+            for (step, (now, &largest)) in errors.map(|(&s, &c)| [s, c]).zip(&self.max_error).enumerate() {
+                // Also refuses what is no number.
+                if !(now[0] >= before[0] && now[1] >= before[1] && now[0].max(now[1]) == largest) {
+                    let wrong = usize::from(now[0] >= before[0] && now[0] <= largest);
+                    return Err(SequenceError::BadError { step, error: now[wrong] });
+                }
+                before = now;
             }
         }
         check_new_vertices(self.input_vertices as usize, &self.new_vertices)?;
@@ -194,6 +215,8 @@ pub(super) struct Parts {
     step_start: Vec<u32>,
     step_error: Vec<f32>,
     max_error: Vec<f32>,
+    surface_error: Vec<f32>,
+    curve_error: Vec<f32>,
     triangles_after: Vec<u32>,
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
@@ -215,6 +238,8 @@ impl TryFrom<Parts> for CollapseSequence {
             step_start: parts.step_start,
             step_error: parts.step_error,
             max_error: parts.max_error,
+            surface_error: parts.surface_error,
+            curve_error: parts.curve_error,
             triangles_after: parts.triangles_after,
             triangle_end: parts.triangle_end,
             batch_end: parts.batch_end,
