@@ -93,8 +93,8 @@ fn structures_fold_what_the_sequence_folds() {
             mesh.indices().iter().map(|&v| (mesh.positions()[v as usize].map(f32::to_bits), values(mesh, v)));
         all.collect::<Vec<_>>()
     });
-    drawn.sort_by(|a, b| a.0.cmp(&b.0));
-    input.sort_by(|a, b| a.0.cmp(&b.0));
+    drawn.sort_by_key(|corner| corner.0);
+    input.sort_by_key(|corner| corner.0);
     for ((place, shown), (there, own)) in drawn.iter().zip(&input) {
         assert_eq!(place, there);
         assert!(shown.iter().zip(own).all(|(a, b)| (a - b).abs() <= 1e-6), "{shown:?} {own:?}");

@@ -119,6 +119,12 @@ pub(crate) fn border_twins(
         return twin;
     }
     let place = |point: u32| mesh.positions()[topology.vertex_of_point()[point as usize] as usize];
+    let positions: Vec<[f32; 3]> = border.iter().map(|&point| place(point)).collect();
+    // Mostly there are none, and edges need not be looked at.
+    let all = representatives(&positions, distance, &SPARSE, |_| distance);
+    if all.iter().zip(0..).all(|(&to, item)| to == item) {
+        return twin;
+    }
     let mut looked_at = vec![false; points];
     border.iter().for_each(|&point| looked_at[point as usize] = true);
     let mut shortest = vec![f64::INFINITY; points];
@@ -134,7 +140,6 @@ pub(crate) fn border_twins(
             }
         }
     }
-    let positions: Vec<[f32; 3]> = border.iter().map(|&point| place(point)).collect();
     let reach = |item: usize| SHARE_OF_EDGE * shortest[border[item] as usize];
     let to = representatives(&positions, distance, &SPARSE, reach);
     for (&point, &to) in border.iter().zip(&to) {
