@@ -212,9 +212,8 @@ impl Surface {
 
     /// Whether the triangles of one wedge of the lost point stay on their sides with another vertex in its place.
     pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
-        let own = |corner: &Corner| self.corner_vertices(corner.triangle)[corner.slot as usize] == from;
-        let mut corners = self.star(pair.lost).filter(own).filter(|c| !c.others.contains(&pair.kept));
-        corners.all(|corner| self.keeps_side(corner, |set, _| self.values.uv(set, to)))
+        let uv = |set: usize, own: u32| self.values.uv(set, if own == from { to } else { own });
+        self.keep_sides(pair.lost, pair.kept, uv)
     }
 
     /// Whether every triangle around a point, but for those with `other`, stays on its side when the coordinates of the
@@ -225,18 +224,24 @@ impl Surface {
     }
 
     fn keeps_side(&self, corner: Corner, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
-        let (values, vertices) = (&self.values, self.corner_vertices(corner.triangle));
-        (0..values.sets).all(|set| {
-            let input = values.sides[corner.triangle as usize * values.sets + set];
-            if input == 0 {
-                return true;
-            }
-            let before = vertices.map(|v| values.uv(set, v));
-            let mut after = before;
-            after[corner.slot as usize] = to(set, vertices[corner.slot as usize]);
-            let now = side(after);
-            // One that has lost its side already may stay without, but not go over to the other.
-            now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
+        let (values, slot) = (&self.values, corner.slot as usize);
+        // A follower that differs from its leader has a side of its own.
+        let triangles = std::iter::once(&corner.triangle).chain(self.followers(corner.triangle));
+        let mut layers = triangles.zip(self.layers(corner.triangle));
+        layers.all(|(&triangle, layer)| {
+            (0..values.sets).all(|set| {
+                let own = values.sides[triangle as usize * values.sets + set];
+                let input = if layer.opposite { -own } else { own };
+                let before = layer.vertices.map(|v| values.uv(set, v));
+                let mut after = before;
+                after[slot] = to(set, layer.vertices[slot]);
+                if input == 0 || after[slot] == before[slot] {
+                    return true;
+                }
+                let now = side(after);
+                // One that has lost its side already may stay without, but not go over to the other.
+                now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
+            })
         })
     }
 }
