@@ -16,7 +16,7 @@ use super::edges::next_half_edge;
 use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
 
 /// Edges that turn by less are flat: no angle makes creases of them, since rounding alone makes as much.
-const FLAT_DEGREES: f64 = 0.05;
+const FLAT_DEGREES: f64 = 0.02;
 /// Edges of more triangles are creases.
 const MOST_AT_AN_EDGE: usize = 8;
 /// Normals that turn by less across an edge make no crease.
