@@ -17,6 +17,7 @@ impl Mesh {
             } else {
                 order.iter().map(|&v| self.locks[v as usize]).collect()
             },
+            origin: self.origin,
         }
     }
 }

@@ -9,11 +9,14 @@
 //! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
 //! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
 
+use std::borrow::Cow;
+
 use crate::mesh::{Attribute, Blender, Mesh, NONE};
 
 use super::NormalsDone;
 use super::attribute_deviation::{AttributeDeviation, deviations};
 use super::footprint::{self, Place};
+use super::keep_sides::keep_sides;
 use super::refit::refit;
 use super::report::SimplifyReport;
 use super::solved::solve_new;
@@ -57,6 +60,8 @@ pub struct CollapseSequence {
     pub(crate) solved: Vec<String>,
     /// Duplicate vertices and the wedge each is folded into before the first step.
     pub(crate) aliases: Vec<[u32; 2]>,
+    /// Vertices and the one whose position each takes before the first step.
+    pub(crate) snaps: Vec<[u32; 2]>,
     pub(crate) substitutions: Vec<[u32; 2]>,
     /// Start of each step's substitutions; one more than steps.
     pub(crate) step_start: Vec<u32>,
@@ -64,6 +69,10 @@ pub struct CollapseSequence {
     pub(crate) step_error: Vec<f32>,
     /// Per step, the largest `step_error` so far.
     pub(crate) max_error: Vec<f32>,
+    /// Per step, the largest errors of the surface and of curves so far. Empty where there are no curves: then the
+    /// surface's are `max_error`, and those of curves 0.
+    pub(crate) surface_error: Vec<f32>,
+    pub(crate) curve_error: Vec<f32>,
     /// Triangles left after k steps; one more than steps.
     pub(crate) triangles_after: Vec<u32>,
     /// Per input triangle the number of steps after which it is gone; 0: degenerate in the input; MAX: never.
@@ -115,10 +124,29 @@ impl CollapseSequence {
         &self.new_vertices
     }
 
-    /// Duplicate vertices (equal in position and all attributes) as `[duplicate, kept]`, folded together before the
-    /// first step.
+    /// Duplicate vertices as `[duplicate, kept]`, folded together before the first step: equal in position and all
+    /// attributes, or within the [`Tolerances`](crate::mesh::Tolerances) of the simplification.
     pub fn aliases(&self) -> &[[u32; 2]] {
         &self.aliases
+    }
+
+    /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the
+    /// other, which nearly coincides with its own ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps
+    /// its attributes. None where the input has no cracks of that width.
+    pub fn snaps(&self) -> &[[u32; 2]] {
+        &self.snaps
+    }
+
+    /// The positions of the input's vertices from the first step on. O(1) where nothing is snapped.
+    pub(crate) fn placed<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
+        if self.snaps.is_empty() {
+            return Cow::Borrowed(mesh.positions());
+        }
+        let mut positions = mesh.positions().to_vec();
+        for &[vertex, to] in &self.snaps {
+            positions[vertex as usize] = mesh.positions()[to as usize];
+        }
+        Cow::Owned(positions)
     }
 
     /// The substitutions `[from, to]` of one step; none where there is no such step.
@@ -136,10 +164,25 @@ impl CollapseSequence {
         self.step_error.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The error bound of the whole mesh after `steps` steps (all, if there are fewer), object units: never decreases
-    /// with `steps`.
+    /// The error of the whole mesh after `steps` steps (all, if there are fewer), object units: the larger of the next
+    /// two. Never decreases with `steps`.
     pub fn error_after(&self, steps: usize) -> f32 {
         steps.min(self.len()).checked_sub(1).map_or(0.0, |last| self.max_error[last])
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is the surface's, object units.
+    pub fn surface_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        let known = last.and_then(|last| self.surface_error.get(last).copied());
+        known.unwrap_or_else(|| self.error_after(steps))
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is that of curves, object units: borders,
+    /// non-manifold edges, seams, borders between materials, and creases. See [`Simplifier`](super::Simplifier). 0 for
+    /// a sequence that was not made by one.
+    pub fn curve_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        last.and_then(|last| self.curve_error.get(last).copied()).unwrap_or(0.0)
     }
 
     /// Triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
@@ -265,7 +308,10 @@ impl CollapseSequence {
             return self.extract(mesh, steps);
         }
         let level = self.level(mesh, steps);
-        let attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
+        let (triangles, origin) = self.triangles_at(mesh, steps);
+        let places = self.places(mesh, steps, &triangles, &level);
+        let mut attributes = refit(mesh, &level, &origin, &places);
+        keep_sides(level.positions(), level.triangles(), level.attributes(), &mut attributes);
         self.report.normals.finish(level.with_attributes(attributes))
     }
 
@@ -276,11 +322,12 @@ impl CollapseSequence {
         if !self.fits(mesh) {
             return Vec::new();
         }
+        let (triangles, _) = self.triangles_at(mesh, steps);
         if steps == 0 || self.report.normals == NormalsDone::Kept {
-            return deviations(mesh, level, &self.places(mesh, steps, level));
+            return deviations(mesh, level, &self.places(mesh, steps, &triangles, level));
         }
         // Its vertices may be split, but its triangles are the same.
-        let places = self.places(mesh, steps, &self.level(mesh, steps));
+        let places = self.places(mesh, steps, &triangles, &self.level(mesh, steps));
         if places.is_empty() || level.triangles().len() != self.triangles_after(steps) {
             return Vec::new();
         }
@@ -288,8 +335,7 @@ impl CollapseSequence {
     }
 
     /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
-    fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
-        let (triangles, _) = self.triangles_at(mesh, steps);
+    fn places(&self, mesh: &Mesh, steps: usize, triangles: &[[u32; 3]], level: &Mesh) -> Vec<Place> {
         if triangles.len() != level.triangles().len() {
             return Vec::new();
         }
@@ -316,6 +362,8 @@ impl CollapseSequence {
         self.report.triangles = self.triangles_after(steps);
         self.report.vertices = used.iter().filter(|&&used| used).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.surface_error_after(steps);
+        self.report.curve_error = self.curve_error_after(steps);
     }
 
     /// Takes the largest error so far from the errors of the steps.
@@ -328,6 +376,22 @@ impl CollapseSequence {
         self.max_error = so_far.collect();
     }
 
+    /// Tells errors of surface and curves apart, from those of each step (as many as steps, or more); `parts` may be
+    /// empty where there are no curves.
+    pub(crate) fn tell_apart(&mut self, parts: &[[f32; 2]]) {
+        let steps = self.len();
+        let largest = |part: usize| -> Vec<f32> {
+            let mut largest: f32 = 0.0;
+            let so_far = parts.iter().take(steps).map(|step| {
+                largest = largest.max(step[part]);
+                largest
+            });
+            so_far.collect()
+        };
+        self.surface_error = largest(0);
+        self.curve_error = largest(1);
+    }
+
     /// A mesh of the given vertices of this sequence.
     pub(crate) fn assemble(
         &self,
@@ -336,8 +400,9 @@ impl CollapseSequence {
         triangles: Vec<[u32; 3]>,
         materials: Vec<u32>,
     ) -> Mesh {
+        let placed = self.placed(mesh);
         let position = |v: u32| match self.origin(v) {
-            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Input(v) => placed[v as usize],
             Origin::Blend(new) => new.position,
         };
         let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| position(v)).collect();
@@ -347,8 +412,13 @@ impl CollapseSequence {
             vertices.iter().map(|&v| mesh.locks().get(v as usize).copied().unwrap_or(false)).collect()
         };
         let mut attributes = self.attributes(mesh, vertices);
-        solve_new(self, mesh, vertices, &mut attributes);
-        Mesh::from_trusted(positions, triangles, attributes, materials, mesh.material_names().to_vec(), locks)
+        if !self.solved.is_empty() && !self.new_vertices.is_empty() {
+            let blended = attributes.clone();
+            solve_new(self, mesh, vertices, &mut attributes);
+            keep_sides(&positions, &triangles, &blended, &mut attributes);
+        }
+        let names = mesh.material_names().to_vec();
+        Mesh::from_trusted(positions, triangles, attributes, materials, names, locks).at_origin_of(mesh)
     }
 
     /// The attributes of the given vertices. New ones are blended in order of creation: each may be a source of later ones.

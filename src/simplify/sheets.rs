@@ -273,7 +273,7 @@ pub(super) type LayerEdge = (bool, [u32; 2], u32);
 pub(super) fn edge_between(
     before: impl Iterator<Item = LayerEdge> + Clone,
     beyond: impl Iterator<Item = LayerEdge> + Clone,
-) -> u8 {
+) -> u16 {
     // A layer goes on in one that runs the other way. Where each side has one direction only they may clash.
     let ways_differ = !(runs_one_way(before.clone()) && runs_one_way(beyond.clone()));
     let differ = |wedges: bool, materials: bool| {

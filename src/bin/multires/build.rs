@@ -129,7 +129,7 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let start = Instant::now();
         let bar = Bar::new("simplifying");
         // Vertices of a structure are fixed, so their normals are those of the input.
@@ -171,6 +171,8 @@ impl Build {
             "memory_percent": share,
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });
@@ -188,6 +190,9 @@ impl Build {
         table.row("error of coarsest", error_text(error, percent(error, diagonal)));
         let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
         table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })
@@ -214,6 +219,8 @@ impl Build {
             "steps": sequence.len(),
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
+            "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
         });
@@ -224,6 +231,9 @@ impl Build {
         table.row("input", input_text);
         table.row("output", format!("{}: {bytes} bytes", self.output.display()));
         info::hierarchy_rows(&mut table, &bundle);
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })
@@ -234,7 +244,7 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let bound = match self.bound {
             None | Some(Bound::Conservative) => ErrorBound::Conservative,
             Some(Bound::WithoutSiblings) => ErrorBound::WithoutSiblings,
