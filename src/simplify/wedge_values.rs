@@ -8,6 +8,7 @@ use crate::mesh::{Attribute, Mesh, names};
 use super::candidates::blend_weight;
 use super::classify::kind;
 use super::metric::Pair;
+use super::sheets::Layer;
 use super::surface::{Corner, Surface};
 use super::wedge_map::WedgeMap;
 
@@ -212,8 +213,11 @@ impl Surface {
 
     /// Whether the triangles of one wedge of the lost point stay on their sides with another vertex in its place.
     pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
-        let uv = |set: usize, own: u32| self.values.uv(set, if own == from { to } else { own });
-        self.keep_sides(pair.lost, pair.kept, uv)
+        self.star(pair.lost).filter(|corner| !corner.others.contains(&pair.kept)).all(|corner| {
+            let mut own =
+                self.layers(corner.triangle).filter(|layer| layer.vertices[corner.slot as usize] == from);
+            own.all(|layer| self.layer_keeps_side(corner.slot, layer, |set, _| self.values.uv(set, to)))
+        })
     }
 
     /// Whether every triangle around a point, but for those with `other`, stays on its side when the coordinates of the
@@ -224,24 +228,24 @@ impl Surface {
     }
 
     fn keeps_side(&self, corner: Corner, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
-        let (values, slot) = (&self.values, corner.slot as usize);
-        // A follower that differs from its leader has a side of its own.
-        let triangles = std::iter::once(&corner.triangle).chain(self.followers(corner.triangle));
-        let mut layers = triangles.zip(self.layers(corner.triangle));
-        layers.all(|(&triangle, layer)| {
-            (0..values.sets).all(|set| {
-                let own = values.sides[triangle as usize * values.sets + set];
-                let input = if layer.opposite { -own } else { own };
-                let before = layer.vertices.map(|v| values.uv(set, v));
-                let mut after = before;
-                after[slot] = to(set, layer.vertices[slot]);
-                if input == 0 || after[slot] == before[slot] {
-                    return true;
-                }
-                let now = side(after);
-                // One that has lost its side already may stay without, but not go over to the other.
-                now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
-            })
+        self.layers(corner.triangle).all(|layer| self.layer_keeps_side(corner.slot, layer, &to))
+    }
+
+    fn layer_keeps_side(&self, slot: u8, layer: Layer, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
+        let (values, vertices) = (&self.values, layer.vertices);
+        (0..values.sets).all(|set| {
+            let input = values.sides[layer.triangle as usize * values.sets + set];
+            if input == 0 {
+                return true;
+            }
+            // Its vertices come in the leader's order.
+            let input = if layer.opposite { -input } else { input };
+            let before = vertices.map(|v| values.uv(set, v));
+            let mut after = before;
+            after[slot as usize] = to(set, vertices[slot as usize]);
+            let now = side(after);
+            // One that has lost its side already may stay without, but not go over to the other.
+            now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
         })
     }
 }
