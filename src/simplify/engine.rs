@@ -497,8 +497,26 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 self.queue.insert(point, best.cost);
                 return false;
             }
+        } else if self.has_grown_unseen(point) {
+            return false;
         }
         self.try_collapse(point)
+    }
+
+    /// Whether a hub has taken in others since the cost of a point's candidate was found, so that it is not due any more:
+    /// then the point waits for its cost as it is now.
+    fn has_grown_unseen(&mut self, point: u32) -> bool {
+        let other = self.best[point as usize].other;
+        if other == NONE || !(self.is_hub(point) || self.is_hub(other)) {
+            return false;
+        }
+        let cost = self.judge().cost(point, other);
+        let has_grown = !self.queue.is_due(cost);
+        if has_grown {
+            self.best[point as usize].cost = cost;
+            self.queue.insert(point, cost);
+        }
+        has_grown
     }
 
     fn refresh(&mut self, point: u32) {
