@@ -20,8 +20,8 @@ use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair
 use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
-use crate::simplify::oracle::WedgeMap;
 use crate::simplify::surface::Surface;
+use crate::simplify::wedge_map::WedgeMap;
 
 /// Which attributes count, and how much.
 ///
@@ -494,7 +494,8 @@ impl<M> WithAttributes<M> {
     /// The sums of the surface as it is. They run over the triangles in order, so they are the same always.
     fn build(&mut self, surface: &Surface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
-        let count = triangles().flat_map(|t| surface.corner_vertices(t)).max().map_or(0, |v| v as usize + 1);
+        let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
+        let count = vertices.max().map_or(0, |v| v as usize + 1);
         self.unit = (self.diagonal * surface.frame().scale()) as f32;
         self.values.clear();
         self.values.extend(self.source.iter().map(|x| *x * self.unit));
@@ -509,7 +510,9 @@ impl<M> WithAttributes<M> {
             if let Some(corners) = surface.triangle(t) {
                 points = corners;
             }
-            self.add_triangle(points.map(|p| surface.at(p)), surface.corner_vertices(t));
+            for layer in surface.layers(t) {
+                self.add_triangle(points.map(|p| surface.at(p)), layer.vertices);
+            }
         }
     }
 
@@ -634,7 +637,8 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         if self.is_idle() {
             return;
         }
-        let one_wedge = surface.has_seams() && surface.kind(lost) & kind::FEATURE == 0;
+        let is_plain = surface.kind(lost) & kind::FEATURE == 0 && !surface.has_sheets();
+        let one_wedge = surface.has_seams() && is_plain;
         let mut star = surface.star(lost);
         for (&kept, cost) in kept.iter().zip(costs) {
             let pair = Pair { lost, kept };
@@ -728,7 +732,7 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }
-    if surface.kind(pair.lost) & kind::FEATURE == 0 {
+    if surface.kind(pair.lost) & kind::WEDGES == 0 {
         // One wedge: any triangle on the edge tells.
         for corner in surface.star(pair.lost) {
             if let Some(side) = corner.others.iter().position(|&o| o == pair.kept) {
@@ -738,7 +742,12 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
             }
         }
     }
-    let map = WedgeMap::new(surface, pair);
+    // While seams hold, a wedge without a partner makes the collapse illegal whatever it costs.
+    let map = if surface.holds(kind::SEAM) {
+        WedgeMap::new(surface, pair)
+    } else {
+        WedgeMap::chosen(surface, pair)
+    };
     map.pairs().iter().for_each(|&[from, to]| visit(from, to));
     if map.pairs().is_empty() {
         // No edge: two parts are being joined, and one wedge stands for all.

@@ -1,11 +1,19 @@
 //! The squared length of the edge (Southern 3.2.3, Berkey 3.1).
 //!
 //! Blind to shape: dense regions go first whatever they look like, so points end up evenly spread and slivers are rare.
+//! But not to rims (borders, borders between materials, creases): the area that they sweep counts [`RIM`]-fold, so that
+//! corners are not cut off.
 
+use glam::Vec3;
+
+use super::region::{finite, swept_by_rims};
 use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
-/// The squared length of the edge; the same wherever the merged point goes, so the optimum is the midpoint.
+/// Weight of the area that rims sweep against the squared length.
+const RIM: f64 = 64.0;
+
+/// The squared length of the edge, and the area that rims sweep. There is no optimum: the midpoint is taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EdgeLength;
 
@@ -26,8 +34,13 @@ impl ErrorMetric for EdgeLength {
 
     fn begin(&mut self, _: &Surface, _: Batch) {}
 
-    fn cost(&self, surface: &Surface, pair: Pair, _: [f32; 3]) -> f32 {
-        surface.at(pair.lost).distance_squared(surface.at(pair.kept))
+    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+        let length = surface.at(pair.lost).distance_squared(surface.at(pair.kept));
+        if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
+            let x = Vec3::from(position).as_dvec3();
+            return finite(f64::from(length) + RIM * swept_by_rims(surface, pair, x));
+        }
+        length
     }
 
     fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
@@ -40,7 +53,7 @@ impl ErrorMetric for EdgeLength {
         (off.mean() * LENGTHS * LENGTHS) as f32
     }
 
-    /// Only edges at the merged point change their length.
+    /// Only edges at the merged point change their length; rims hardly sweep other areas.
     fn dependence(&self) -> Dependence {
         Dependence::Both
     }
