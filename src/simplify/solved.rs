@@ -56,10 +56,6 @@ pub(super) fn solve_new(
             class[duplicate as usize] = class[kept as usize];
         }
         class.resize(sequence.vertex_count(), 0);
-        // Nearly equal wedges may differ in value.
-        for &[duplicate, kept] in sequence.aliases() {
-            class[duplicate as usize] = class[kept as usize];
-        }
         let solved = Sums::new(mesh, values, width, fitted, class).solve(sequence, &part);
         for (row, &vertex) in vertices.iter().enumerate().filter(|(_, v)| **v >= first) {
             let Some(floats) = target.floats_mut() else { break };
