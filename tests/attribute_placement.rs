@@ -50,7 +50,8 @@ fn what_is_linear_on_a_plane_stays_exact() {
         for placement in MOVING {
             let simplifier = Simplifier::new().metric(by_name(name).unwrap()).placement(placement);
             let sequence = { simplifier }.run(&mesh).unwrap();
-            assert!(!sequence.new_vertices().is_empty(), "{name}");
+            // A subset may be ends alone.
+            assert!(placement == Placement::Subset || !sequence.new_vertices().is_empty(), "{name}");
             for steps in levels(&sequence) {
                 let level = sequence.extract(&mesh, steps);
                 let (uv, colours) = (floats::<2>(&level, names::UV), floats::<3>(&level, names::COLOR));
