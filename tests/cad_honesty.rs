@@ -33,7 +33,11 @@ fn levels(parts: impl Iterator<Item = u32>, measure: ErrorMeasure) -> Vec<Level>
             levels.push(Level {
                 what: format!(
                     "part {seed} at {percent} %: {} triangles, surface {} of {}, curves {} of {}",
-                    sequence.triangles_after(steps), apart.surface, said[0], apart.curves, said[1]
+                    sequence.triangles_after(steps),
+                    apart.surface,
+                    said[0],
+                    apart.curves,
+                    said[1]
                 ),
                 said: f64::from(sequence.error_after(steps)),
                 found: apart.largest(),

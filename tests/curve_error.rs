@@ -60,11 +60,9 @@ fn no_error_takes_flat_faces_with_straight_borders_to_the_minimum() {
         Mesh::new(positions, mesh.triangles()).unwrap()
     };
     let boxed = (0..4).fold(shapes::cube(), |mesh, _| shapes::cut_in_four(&mesh));
-    for (name, mesh, left) in [
-        ("square", shapes::plane(16), 2),
-        ("large square", shapes::plane(60), 2),
-        ("box", boxed, 12),
-    ] {
+    for (name, mesh, left) in
+        [("square", shapes::plane(16), 2), ("large square", shapes::plane(60), 2), ("box", boxed, 12)]
+    {
         for mesh in [tilted(&mesh), mesh] {
             for measure in MEASURES {
                 let (sequence, level) = at_error(&mesh, 0.0, measure);

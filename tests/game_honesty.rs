@@ -48,7 +48,10 @@ fn levels_of_models_lie_as_far_away_as_is_said() {
         let Some(mesh) = model(file) else { continue };
         // Creases are the simplifier's to choose where a mesh is no drawing.
         let input = Input::new(&mesh, -2.0);
-        let sequence = Simplifier::new().metric(multires::simplify::metric::by_name(NAMES[0]).unwrap()).run(&mesh).unwrap();
+        let sequence = Simplifier::new()
+            .metric(multires::simplify::metric::by_name(NAMES[0]).unwrap())
+            .run(&mesh)
+            .unwrap();
         for percent in [70, 50, 35, 25, 18, 12, 8, 5] {
             let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
             let apart = input.apart(&sequence, steps);

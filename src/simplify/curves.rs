@@ -9,8 +9,8 @@
 //!
 //! An edge is a feature by what its triangles say (`classify.rs`). A crease is an edge where two triangles meet at more
 //! than 41.4 degrees (a cosine of 3/4: an eight-sided prism has edges, a ten-sided one is round, and a chamfer of 45
-//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, at least
-//! [`LEAST_CREASES`] connected ones, along which nearly all bending is theirs. Scans are full of edges as sharp, in short
+//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, that go on from one
+//! feature to another or are at least [`LEAST_CREASES`] connected ones, along which most of the bending is theirs. Scans are full of edges as sharp, in short
 //! pieces that are relief or noise: how far those slide over the surface is no error.
 
 use glam::Vec3;
@@ -28,6 +28,10 @@ const HALF_CREASE: f32 = 0.935_414_3;
 const LEAST_CREASES: usize = 12;
 /// Least share of the bending around a crease's points that is the creases' own: what rims of a ten-sided hole have.
 const LEAST_SHARE: f32 = 10.0 / 11.0;
+/// The same for creases from one feature to another.
+const LEAST_HELD_SHARE: f32 = 0.75;
+/// What an end at a feature counts for; more than there are creases on any mesh.
+const HELD: usize = 1 << 40;
 
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
@@ -50,7 +54,8 @@ impl Curves {
         let mut around = Vec::new();
         for point in features {
             around.clear();
-            around.extend(surface.star(point).flat_map(|corner| corner.others).filter(|&other| other > point));
+            around
+                .extend(surface.star(point).flat_map(|corner| corner.others).filter(|&other| other > point));
             around.sort_unstable();
             around.dedup();
             let is_feature = |&other: &u32| {
@@ -185,7 +190,9 @@ impl Curves {
 fn is_bent(surface: &Surface, u: u32, v: u32) -> bool {
     let (mut first, mut bent) = (None, false);
     surface.for_shared_triangles(u, v, |triangle| {
-        let Some([p, q, r]) = surface.triangle(triangle).map(|points| points.map(|p| surface.at(p))) else { return };
+        let Some([p, q, r]) = surface.triangle(triangle).map(|points| points.map(|p| surface.at(p))) else {
+            return;
+        };
         let normal = (q - p).cross(r - p).normalize_or_zero();
         let other = *first.get_or_insert(normal);
         bent |= normal.dot(other) < CREASE;
@@ -285,6 +292,10 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
         counts[root(&mut piece, u) as usize] += 1;
     }
     for &point in &points {
+        // A line that ends at a border or another feature goes on there.
+        if surface.kind(point) & kind::FEATURE != 0 {
+            counts[root(&mut piece, point) as usize] += HELD;
+        }
         let sum = &mut bending[root(&mut piece, point) as usize];
         bends.for_each(point, &mut around, |other, cosine| {
             let bend = 1.0 - cosine.min(1.0);
@@ -299,7 +310,8 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
     found.retain(|&[u, _]| {
         let root = root(&mut piece, u) as usize;
         let (own, all) = bending[root];
-        counts[root] >= least && own >= LEAST_SHARE * all
+        let held = counts[root] >= 2 * HELD;
+        counts[root] >= least && own >= if held { LEAST_HELD_SHARE } else { LEAST_SHARE } * all
     });
     found
 }
@@ -307,13 +319,16 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
 /// Takes creases away that end at a point where no other crease and no feature goes on, and what then ends there.
 fn without_loose_ends(surface: &Surface, creases: &mut Vec<[u32; 2]>) {
     let curves = Curves::of_edges(creases.clone(), surface.point_count());
-    let mut left: Vec<u32> = (0..surface.point_count() as u32).map(|p| curves.around(p).count() as u32).collect();
+    let mut left: Vec<u32> =
+        (0..surface.point_count() as u32).map(|p| curves.around(p).count() as u32).collect();
     let is_held = |point: u32| surface.kind(point) & kind::FEATURE != 0;
     let mut loose: Vec<u32> =
         (0..left.len() as u32).filter(|&p| left[p as usize] == 1 && !is_held(p)).collect();
     let mut gone = vec![false; curves.edge_count()];
     while let Some(point) = loose.pop() {
-        let Some([edge, other]) = curves.around(point).find(|&[edge, _]| !gone[edge as usize]) else { continue };
+        let Some([edge, other]) = curves.around(point).find(|&[edge, _]| !gone[edge as usize]) else {
+            continue;
+        };
         gone[edge as usize] = true;
         left[point as usize] = 0;
         left[other as usize] -= 1;

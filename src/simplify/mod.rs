@@ -9,7 +9,7 @@
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `way_back.rs`: how far the level lies from the input next to them; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
@@ -41,6 +41,7 @@ mod simplifier;
 mod stars;
 mod surface;
 mod travel;
+mod way_back;
 mod witness;
 
 pub use metric::{Batch, ErrorMetric, Pair};

@@ -87,7 +87,8 @@ pub fn lettering(count: u32, seed: u32, thickness: f32) -> Mesh {
     for letter in 0..count.clamp(1, 64) {
         let left = 1.1 * f64::from(letter);
         let moved = |outline: Outline| -> Outline { outline.iter().map(|&[x, y]| [x + left, y]).collect() };
-        let outlines: Vec<Outline> = letter_outlines((unit(letter, seed) * 5.0) as u32).into_iter().map(moved).collect();
+        let outlines: Vec<Outline> =
+            letter_outlines((unit(letter, seed) * 5.0) as u32).into_iter().map(moved).collect();
         mesh.extrude(&outlines, thickness_of(thickness));
     }
     mesh.finish()
@@ -206,7 +207,12 @@ pub fn pocketed_block(n: u32, seed: u32) -> Mesh {
                 if below.is_none_or(|below| below < height) {
                     let [(i, j), (k, l)] = [ends[side], ends[(side + 1) % 4]];
                     let low = below.unwrap_or(0.0);
-                    mesh.quad([corner(i, low, j), corner(k, low, l), corner(k, height, l), corner(i, height, j)]);
+                    mesh.quad([
+                        corner(i, low, j),
+                        corner(k, low, l),
+                        corner(k, height, l),
+                        corner(i, height, j),
+                    ]);
                 }
             }
         }
@@ -255,7 +261,8 @@ pub fn two_material_plate(sides: u32, radius: f32) -> Mesh {
 /// 3 to 512 sides. O(sides^3).
 pub fn plate_with_seam_island(sides: u32, radius: f32) -> Mesh {
     let (mesh, inside) = plate_with_island(sides, radius, true);
-    let mut uv: Vec<[f32; 2]> = mesh.positions().iter().map(|p| [0.5 + 0.5 * p[0], 0.5 - 0.5 * p[2]]).collect();
+    let mut uv: Vec<[f32; 2]> =
+        mesh.positions().iter().map(|p| [0.5 + 0.5 * p[0], 0.5 - 0.5 * p[2]]).collect();
     // Vertices of the island are its own: those beyond the plate's.
     let first = mesh.triangles()[inside..].as_flattened().iter().copied().min().unwrap_or(0);
     uv[first as usize..].iter_mut().for_each(|uv| uv[0] += 2.0);
@@ -274,10 +281,13 @@ fn plate_with_island(sides: u32, radius: f32, apart: bool) -> (Mesh, usize) {
     let all = mesh.ring(&outlines.concat(), flat);
     mesh.fill(&outlines, &all, false);
     let inside = mesh.triangles.len();
-    let rim: Vec<u32> =
-        if apart { mesh.ring(&island, flat) } else { all[outlines[0].len()..].iter().rev().copied().collect() };
+    let rim: Vec<u32> = if apart {
+        mesh.ring(&island, flat)
+    } else {
+        all[outlines[0].len()..].iter().rev().copied().collect()
+    };
     mesh.fill(&[island], &rim, false);
-    (mesh.finish(), inside)
+    (bare(mesh.positions, mesh.triangles), inside)
 }
 
 /// A part by number: every kind of this file in turn, its measures drawn by the number, some of them cut finer.
@@ -327,7 +337,14 @@ pub fn cut_in_four(mesh: &Mesh) -> Mesh {
             materials.extend([material; 4]);
         }
     }
-    Mesh::from_trusted(positions, triangles, Vec::new(), materials, mesh.material_names().to_vec(), Vec::new())
+    Mesh::from_trusted(
+        positions,
+        triangles,
+        Vec::new(),
+        materials,
+        mesh.material_names().to_vec(),
+        Vec::new(),
+    )
 }
 
 fn thickness_of(thickness: f32) -> f64 {
@@ -457,7 +474,9 @@ fn fill(outlines: &[Outline]) -> Vec<[u32; 3]> {
             }
             let holds = |&p: &u32| {
                 let p = at(p);
-                p != a && p != b && p != c
+                p != a
+                    && p != b
+                    && p != c
                     && turn(a, b, p) >= 0.0
                     && turn(b, c, p) >= 0.0
                     && turn(c, a, p) >= 0.0

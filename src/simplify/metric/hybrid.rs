@@ -56,7 +56,9 @@ impl ErrorMetric for Hybrid {
         let x = at(surface, pair.kept);
         let mut largest: f64 = 0.0;
         for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
-        finite(swept_to_kept(surface, pair) * largest + length(surface, pair) * swept_by_rims(surface, pair, x))
+        finite(
+            swept_to_kept(surface, pair) * largest + length(surface, pair) * swept_by_rims(surface, pair, x),
+        )
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
