@@ -10,10 +10,11 @@ use meshes::*;
 use multires::mesh::{Attribute, Mesh, names};
 use multires::simplify::metric::{Attributes, Dependence, Quadric, Substitutions, WithAttributes};
 use multires::simplify::{
-    Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
+    AttributeWeights, Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
 };
 
-const PLACEMENTS: [Placement; 3] = [Placement::Endpoint, Placement::Midpoint, Placement::Subset];
+const PLACEMENTS: [Placement; 4] =
+    [Placement::Endpoint, Placement::Midpoint, Placement::Subset, Placement::Optimal];
 
 fn steps(sequence: &CollapseSequence) -> Vec<Vec<[u32; 2]>> {
     (0..sequence.len()).map(|s| sequence.substitutions(s).to_vec()).collect()
@@ -124,11 +125,16 @@ impl ErrorMetric for Checked {
     }
 
     fn substituting(&mut self, surface: &Surface, s: Substitutions<'_>) {
-        for new in s.new_vertices {
-            let [a, b] = new.from.map(|v| &self.values[v as usize]);
-            let share = f64::from(new.weight);
-            let blend = a.iter().zip(b).map(|(a, b)| a + (b - a) * share).collect();
-            self.values.push(blend);
+        for vertex in (s.first_new..).take(s.new_vertices.len()) {
+            // The value of least deviation: the mean of what every triangle's plane says there, by area.
+            let sources = || s.pairs.iter().filter(|p| p[1] == vertex).map(|p| p[0]);
+            let best = (0..self.values[0].len()).map(|scalar| {
+                let planes = || sources().flat_map(|v| &self.planes[v as usize][scalar]);
+                let there = |p: &Plane| dot(p.gradient, sub(s.position, p.origin)) + p.value;
+                let area: f64 = planes().map(|p| p.double_area).sum();
+                planes().map(|p| p.double_area * there(p)).sum::<f64>() / area
+            });
+            self.values.push(best.collect());
             self.planes.push(vec![Vec::new(); self.values[0].len()]);
         }
         let targets: BTreeSet<u32> = s.pairs.iter().map(|p| p[1]).collect();
@@ -137,7 +143,8 @@ impl ErrorMetric for Checked {
             sources.map(|[from, to]| self.expected(from, s.position, &self.values[to as usize])).sum();
         let found = f64::from(self.inner.cost(surface, self.pair, s.position));
         assert!(
-            (found - expected).abs() <= 1e-3 * expected + 1e-9,
+            // Where values are solved, what is left is a difference of sums in single precision.
+            (found - expected).abs() <= 1e-3 * expected + 5e-9,
             "{found} where {expected} is right, after {} steps",
             self.compared.lock().unwrap()
         );
@@ -204,7 +211,8 @@ fn charted_torus() -> Mesh {
 fn without_weights_it_is_the_metric_below() {
     let mesh = seamed_grid(8, 16, |u, v| 0.1 * (9.0 * u).sin() * (7.0 * v).cos());
     for placement in PLACEMENTS {
-        let plain = Simplifier::new().placement(placement).run(&mesh).unwrap();
+        let plain =
+            Simplifier::new().attributes(AttributeWeights::Off).placement(placement).run(&mesh).unwrap();
         for attributes in
             [Attributes::new(&mesh), Attributes::new(&mesh).uv(0.0), Attributes::new(&mesh).normals(1.0)]
         {
@@ -260,7 +268,8 @@ fn values_come_out_closer() {
     for placement in PLACEMENTS {
         let weighed =
             WithAttributes::with(Quadric::new(), &Attributes::new(&mesh).custom("heat", 0.1)).unwrap();
-        let blind = Simplifier::new().placement(placement).run(&mesh).unwrap();
+        let blind =
+            Simplifier::new().attributes(AttributeWeights::Off).placement(placement).run(&mesh).unwrap();
         let aware = Simplifier::new().placement(placement).metric(weighed).run(&mesh).unwrap();
         let at = |s: &CollapseSequence| off(&mesh, &s.extract(&mesh, s.steps_for_triangles(160)), "heat");
         let (blind, aware) = (at(&blind), at(&aware));
@@ -372,8 +381,10 @@ fn customary_weights_suit_real_models() {
             eprintln!("customary_weights_suit_real_models: skipped, no {name} in {directory}");
             continue;
         };
-        let plain = Simplifier::new().run(&mesh).unwrap();
-        let sequence = Simplifier::new().metric(WithAttributes::new(&mesh)).run(&mesh).unwrap();
+        let plain = Simplifier::new().attributes(AttributeWeights::Off).run(&mesh).unwrap();
+        let sequence = Simplifier::new().run(&mesh).unwrap();
+        let asked_for = Simplifier::new().metric(WithAttributes::new(&mesh)).run(&mesh).unwrap();
+        assert_eq!(sequence, asked_for, "{name}: the default is not the customary");
         let point = points(&mesh, &sequence);
         let borders = |steps: usize| {
             let level = level(&mesh, &sequence, &point, steps);

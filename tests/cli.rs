@@ -225,6 +225,10 @@ fn rules_can_be_changed() {
         ["--attributes off", "--attributes on", "--attributes on", "--attributes normal=0.5,uv=0"]
             .map(steered);
     assert!(off != on && on == same && chosen != on && chosen != off);
+    assert!(steered("") == on, "attributes count by default");
+    // Whatever the metric.
+    let [off, on] = ["off", "on"].map(|how| steered(&format!("--metric hybrid --attributes {how}")));
+    assert!(off != on);
 
     let [travel, verified] = ["travel", "verified"].map(|m| {
         io::write(&input, &rock).unwrap();
@@ -351,7 +355,7 @@ fn bad_usage_is_said_before_anything_is_read() {
         (&["simplify", i, o, "--ratio", "1", "--metric", "best"], "quadric"),
         (&["simplify", i, o, "--ratio", "1", "--placement", "best"], "midpoint"),
         (&["simplify", i, o, "--ratio", "1", "--attributes", "uv"], "NAME=WEIGHT"),
-        (&["simplify", i, o, "--ratio", "1", "--attributes", "on", "--metric", "hybrid"], "quadric"),
+        (&["simplify", i, o, "--ratio", "1", "--attributes", "uv=-1"], "0 or more"),
         (&["simplify", i, "out.fbx", "--ratio", "1"], ".fbx"),
         (&["simplify", i, "out", "--ratio", "1"], "extension"),
         (&["build", i, b], "--structure"),

@@ -16,6 +16,11 @@ pub mod names {
     pub const JOINTS: &str = "joints";
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
+
+    /// Whether a name is that of the first set or of a further one: `uv`, `uv1`, `uv2` and so on.
+    pub fn is_set_of(name: &str, first: &str) -> bool {
+        name.strip_prefix(first).is_some_and(|number| number.bytes().all(|c| c.is_ascii_digit()))
+    }
 }
 
 /// The scalars of an attribute, `width` of them per vertex, vertex by vertex.
@@ -95,6 +100,14 @@ impl Attribute {
     /// The scalars where they are floats.
     pub fn as_floats(&self) -> Option<&[f32]> {
         match &self.values {
+            AttributeValues::Float(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// The scalars where they are floats, to be changed.
+    pub(crate) fn floats_mut(&mut self) -> Option<&mut [f32]> {
+        match &mut self.values {
             AttributeValues::Float(values) => Some(values),
             _ => None,
         }

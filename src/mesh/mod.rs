@@ -130,6 +130,13 @@ impl Mesh {
         Ok(self)
     }
 
+    /// The same with other values of the same attributes.
+    pub(crate) fn with_attributes(mut self, attributes: Vec<Attribute>) -> Self {
+        debug_assert!(attributes.iter().all(|a| a.check(self.positions.len()).is_ok()));
+        self.attributes = attributes;
+        self
+    }
+
     /// A mesh from parts that are known to fit together: made from another mesh's.
     pub(crate) fn from_trusted(
         positions: Vec<[f32; 3]>,

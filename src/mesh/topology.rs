@@ -8,7 +8,7 @@
 //!
 //! Welding is by exact equality (with -0 equal to 0), so it never moves anything and needs no tolerance.
 
-use super::{Mesh, NONE};
+use super::{Attribute, Mesh, NONE};
 
 /// Points and wedges of a mesh. Built in O(n) expected time; 12 bytes a vertex.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -68,6 +68,21 @@ impl Topology {
     /// The lowest vertex equal to each vertex in position and all attributes: the name of its wedge.
     pub fn wedge_of(&self) -> &[u32] {
         &self.wedge_of
+    }
+
+    /// The lowest vertex equal to each vertex in position and in one attribute.
+    pub(crate) fn equal_values(&self, attribute: &Attribute) -> Vec<u32> {
+        let count = self.point_of.len();
+        if self.vertex_of_point.len() == count {
+            return (0..count as u32).collect();
+        }
+        let hash_of = |v: usize| {
+            let words = attribute.words(v as u32).iter();
+            words.fold(mix(u64::from(self.point_of[v])), |h, &w| mix(h ^ u64::from(w)))
+        };
+        group(count, hash_of, |a, b| {
+            self.point_of[a] == self.point_of[b] && attribute.words(a as u32) == attribute.words(b as u32)
+        })
     }
 
     /// The lowest vertex at every point.

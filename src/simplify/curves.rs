@@ -25,13 +25,13 @@ const CREASE: f32 = 0.75;
 /// Two normals that are both this close to a third are no crease apart: half the angle.
 const HALF_CREASE: f32 = 0.935_414_3;
 /// Fewest creases that hang together, on meshes large enough to have them.
-const LEAST_CREASES: usize = 12;
+const LEAST_CREASES: u64 = 12;
 /// Least share of the bending around a crease's points that is the creases' own: what rims of a ten-sided hole have.
 const LEAST_SHARE: f32 = 10.0 / 11.0;
 /// The same for creases from one feature to another.
 const LEAST_HELD_SHARE: f32 = 0.75;
 /// What an end at a feature counts for; more than there are creases on any mesh.
-const HELD: usize = 1 << 40;
+const HELD: u64 = 1 << 32;
 
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
@@ -283,7 +283,7 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
         let [u, v] = [u, v].map(|p| root(&mut piece, p));
         piece[u.max(v) as usize] = u.min(v);
     }
-    let mut counts = vec![0usize; surface.point_count()];
+    let mut counts = vec![0u64; surface.point_count()];
     bending.resize(surface.point_count(), (0.0, 0.0));
     let mut points: Vec<u32> = found.as_flattened().to_vec();
     points.sort_unstable();
@@ -306,7 +306,7 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
             }
         });
     }
-    let least = LEAST_CREASES.min(surface.live_points().isqrt());
+    let least = LEAST_CREASES.min(surface.live_points().isqrt() as u64);
     found.retain(|&[u, _]| {
         let root = root(&mut piece, u) as usize;
         let (own, all) = bending[root];

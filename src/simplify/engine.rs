@@ -115,7 +115,7 @@ pub(super) struct Engine<'a, M> {
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
         let Plan { oracles, limits, settings } = plan;
-        let &Settings { placement, order, measure, join_distance } = settings;
+        let &Settings { placement, order, measure, join_distance, .. } = settings;
         let topology = Topology::new(mesh);
         let surface = Surface::new(mesh, &topology);
         let recorder = Recorder::new(mesh, &topology, &surface);

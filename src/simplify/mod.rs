@@ -11,15 +11,19 @@
 //! | `lanes.rs` | four vectors at once |
 //! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `way_back.rs`: how far the level lies from the input next to them; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
+//! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
+//! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod attribute_deviation;
 mod candidates;
 mod classify;
 mod curve_witness;
 mod curves;
 mod engine;
 mod errors;
+mod footprint;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
@@ -32,20 +36,23 @@ mod progressive;
 mod progressive_check;
 mod queue;
 mod recorder;
+mod refit;
 mod reorder;
 mod report;
 mod sequence;
 mod sequence_build;
 mod sequence_check;
 mod simplifier;
+mod solved;
 mod stars;
 mod surface;
 mod travel;
 mod way_back;
 mod witness;
 
+pub use attribute_deviation::AttributeDeviation;
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{ErrorMeasure, OptionError, Order, Progress, Target};
+pub use options::{AttributeWeights, ErrorMeasure, OptionError, Order, Progress, Target};
 pub use oracle::{Collapse, Oracle};
 pub use patch::{Facet, Patch};
 pub use placement::Placement;

@@ -1,4 +1,8 @@
-//! What can be asked of a simplification: order, targets, progress.
+//! What can be asked of a simplification: order, attributes, targets, progress.
+
+use crate::mesh::Mesh;
+
+use super::metric::Attributes;
 
 /// In which order collapses are done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -32,6 +36,39 @@ pub enum ErrorMeasure {
     /// the input further from the surface than its cost foresaw waits until that is the cheapest. Levels of the same
     /// size lie up to a third closer to the input, for about twice the time.
     Verified,
+}
+
+/// Which attributes count in what collapses cost, beside the shape.
+///
+/// They weigh as [`metric::Attributes`](super::metric::Attributes) says: with every metric, at its own exchange rate. A
+/// mesh without the attributes that count is simplified as if none did.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum AttributeWeights {
+    /// None: they are carried along, seams are kept, but values do not steer.
+    Off,
+    /// Normals, texture coordinates and colours, with the
+    /// [customary weights](super::metric::Attributes::customary).
+    #[default]
+    Customary,
+    /// The float attributes of these names, which the mesh must have, each with a weight: the distance that a deviation
+    /// of one unit is worth, as a share of the diagonal of the mesh's box, 0 to 1,000,000.
+    Chosen(Vec<(String, f32)>),
+}
+
+impl AttributeWeights {
+    /// What counts of a mesh; `None` where that is nothing.
+    pub(super) fn of<'a>(&self, mesh: &'a Mesh) -> Result<Option<Attributes<'a>>, OptionError> {
+        let attributes = match self {
+            Self::Off => return Ok(None),
+            Self::Customary => Attributes::customary(mesh),
+            Self::Chosen(list) => {
+                list.iter().fold(Attributes::new(mesh), |all, (name, weight)| all.custom(name, *weight))
+            }
+        };
+        attributes.checked().map(|attributes| (!attributes.is_empty()).then_some(attributes))
+    }
 }
 
 /// When to stop. With several targets the first one reached stops.

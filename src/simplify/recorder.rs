@@ -215,6 +215,7 @@ impl Recorder {
         let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
+            solved: Vec::new(),
             aliases: self.aliases,
             substitutions: self.substitutions,
             step_start: self.step_start,

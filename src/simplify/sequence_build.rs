@@ -146,6 +146,7 @@ impl CollapseSequence {
         let mut sequence = Self {
             input_vertices: inputs as u32,
             new_vertices: new_vertices.to_vec(),
+            solved: Vec::new(),
             aliases: (0..inputs as u32).map(|v| [v, wedge_of[v as usize]]).filter(|[v, w]| v != w).collect(),
             substitutions: Vec::new(),
             step_start: vec![0],

@@ -187,6 +187,7 @@ fn expect_most(what: &'static str, found: usize, most: usize) -> Result<(), Sequ
 pub(super) struct Parts {
     input_vertices: u32,
     new_vertices: Vec<NewVertex>,
+    solved: Vec<String>,
     aliases: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
@@ -208,6 +209,7 @@ impl TryFrom<Parts> for CollapseSequence {
         let sequence = Self {
             input_vertices: parts.input_vertices,
             new_vertices: parts.new_vertices,
+            solved: parts.solved,
             aliases: parts.aliases,
             substitutions: parts.substitutions,
             step_start: parts.step_start,

@@ -5,15 +5,16 @@ use std::ops::ControlFlow;
 use crate::mesh::Mesh;
 
 use super::engine::{Engine, Plan};
-use super::metric::{ErrorMetric, Quadric};
-use super::options::{ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::metric::{ErrorMetric, Quadric, WithAttributes};
+use super::options::{AttributeWeights, ErrorMeasure, Limits, OptionError, Order, Progress, Target};
 use super::oracle::{Oracle, default_oracles};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
 /// Simplifies meshes: pluggable metric, placement, order and oracles.
 ///
-/// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh.
+/// Defaults: accumulated quadrics, endpoint placement, linear order, all oracles, down to the base mesh; normals, texture
+/// coordinates and colours count where the mesh has them.
 ///
 /// # The error
 /// The error of each step, in object units, is the larger of two that are measured, to within the rounding of single
@@ -56,6 +57,7 @@ pub(super) struct Settings {
     pub measure: ErrorMeasure,
     /// Object units.
     pub join_distance: f32,
+    pub attributes: AttributeWeights,
 }
 
 impl Settings {
@@ -148,10 +150,19 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// Which attributes count in what collapses cost. Default: [`AttributeWeights::Customary`], normals, texture
+    /// coordinates and colours where the mesh has them. A metric that counts attributes by itself
+    /// ([`WithAttributes`]) is left as it is.
+    #[must_use]
+    pub fn attributes(mut self, weights: AttributeWeights) -> Self {
+        self.settings.attributes = weights;
+        self
+    }
+
     /// Simplifies a mesh.
     ///
     /// # Errors
-    /// An option outside its range. Any mesh is legal.
+    /// An option outside its range, an attribute that the mesh does not have. Any mesh is legal.
     pub fn run(&mut self, mesh: &Mesh) -> Result<CollapseSequence, OptionError> {
         self.run_with(mesh, |_| ControlFlow::Continue(()))
     }
@@ -160,7 +171,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// there and is usable up to there.
     ///
     /// # Errors
-    /// An option outside its range.
+    /// An option outside its range, an attribute that the mesh does not have.
     pub fn run_with(
         &mut self,
         mesh: &Mesh,
@@ -169,7 +180,10 @@ impl<M: ErrorMetric> Simplifier<M> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
         let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
-        let engine = Engine::new(mesh, &mut self.metric, plan);
-        Ok(engine.run(mesh, &mut progress))
+        let Some(attributes) = self.settings.attributes.of(mesh)? else {
+            return Ok(Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress));
+        };
+        let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
+        Ok(Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress))
     }
 }

@@ -87,7 +87,6 @@ enum Needs {
 
 impl Run for Build {
     fn run(&self) -> Result<Answer, Failure> {
-        self.given.rules.check()?;
         files::check_output(&self.output, "mres")?;
         let only_for = |given: bool, option: &str, structure: Structure, name: &str| {
             if given && self.structure != structure {
@@ -125,7 +124,7 @@ impl Build {
         let mesh = self.given.rules.dropped(imported.mesh)?;
         let start = Instant::now();
         let bar = Bar::new("simplifying");
-        let mut simplifier = self.given.rules.simplifier(&mesh, place)?;
+        let mut simplifier = self.given.rules.simplifier(place)?;
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
         Ok(Simplified { input, input_text, notes: imported.notes, mesh, sequence, start })
     }

@@ -4,15 +4,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use multires::mesh::Mesh;
-use multires::simplify::metric::{self, Attributes, ErrorMetric, WithAttributes};
+use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, TriangleQuality};
-use multires::simplify::{ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason};
+use multires::simplify::{
+    AttributeWeights, ErrorMeasure, Order, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
-
-/// Metrics whose costs are areas times squared distances, as attribute deviations are.
-const QUADRICS: [&str; 2] = ["quadric", "memoryless-quadric"];
 
 /// What stands for material ids where attributes are named.
 const MATERIAL: &str = "material";
@@ -34,10 +33,9 @@ pub struct Rules {
     #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Measured)]
     pub error_measure: Measure,
     /// Whether attributes steer the collapses: off, on (normals, texture coordinates and colours with the customary
-    /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth. For the
-    /// quadric metrics.
-    #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "off", value_parser = Weights::parse)]
-    pub attributes: Weights,
+    /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth.
+    #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "on", value_parser = weights)]
+    pub attributes: AttributeWeights,
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
@@ -122,26 +120,17 @@ pub enum Measure {
 }
 
 /// Which attributes count.
-#[derive(Clone)]
-pub enum Weights {
-    Off,
-    Customary,
-    Chosen(Vec<(String, f32)>),
-}
-
-impl Weights {
-    fn parse(text: &str) -> Result<Self, String> {
-        match text {
-            "off" => return Ok(Self::Off),
-            "on" => return Ok(Self::Customary),
-            _ => {}
-        }
-        let one = |part: &str| {
-            let (name, weight) = part.split_once('=').ok_or(format!("{part:?} is not NAME=WEIGHT"))?;
-            Ok((name.to_owned(), not_negative(weight)? as f32))
-        };
-        text.split(',').map(one).collect::<Result<_, String>>().map(Self::Chosen)
+fn weights(text: &str) -> Result<AttributeWeights, String> {
+    match text {
+        "off" => return Ok(AttributeWeights::Off),
+        "on" => return Ok(AttributeWeights::Customary),
+        _ => {}
     }
+    let one = |part: &str| {
+        let (name, weight) = part.split_once('=').ok_or(format!("{part:?} is not NAME=WEIGHT"))?;
+        Ok((name.to_owned(), not_negative(weight)? as f32))
+    };
+    text.split(',').map(one).collect::<Result<_, String>>().map(AttributeWeights::Chosen)
 }
 
 impl Place {
@@ -156,15 +145,6 @@ impl Place {
 }
 
 impl Rules {
-    /// What does not fit together, whatever the mesh.
-    pub fn check(&self) -> Result<(), Failure> {
-        if !matches!(self.attributes, Weights::Off) && !QUADRICS.contains(&self.metric.as_str()) {
-            let fit = QUADRICS.join(" or ");
-            return Err(Failure::Usage(format!("--attributes needs --metric {fit}, not {}", self.metric)));
-        }
-        Ok(())
-    }
-
     /// Where the merged vertex goes, as asked for or as suits the metric.
     pub fn place(&self) -> Place {
         let suits = if self.metric == "lindstrom-turk" { Place::Optimal } else { Place::Endpoint };
@@ -195,20 +175,9 @@ impl Rules {
     }
 
     /// The simplifier asked for, with no target yet.
-    pub fn simplifier(&self, mesh: &Mesh, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
+    pub fn simplifier(&self, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
         let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
-        let base = metric::by_name(&self.metric).ok_or_else(unknown)?;
-        let weighed = match &self.attributes {
-            Weights::Off => None,
-            Weights::Customary => Some(Attributes::customary(mesh)),
-            Weights::Chosen(list) => {
-                Some(list.iter().fold(Attributes::new(mesh), |all, (name, weight)| all.custom(name, *weight)))
-            }
-        };
-        let metric = match weighed {
-            Some(attributes) => Box::new(WithAttributes::with(base, &attributes).map_err(Failure::input)?),
-            None => base,
-        };
+        let metric = metric::by_name(&self.metric).ok_or_else(unknown)?;
         let placement = match place {
             Place::Midpoint => Placement::Midpoint,
             Place::Endpoint => Placement::Endpoint,
@@ -230,6 +199,7 @@ impl Rules {
             .placement(placement)
             .order(order)
             .error_measure(measure)
+            .attributes(self.attributes.clone())
             .join_distance(self.join_distance as f32)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
@@ -239,11 +209,11 @@ impl Rules {
     /// What was asked for, for JSON.
     pub fn describe(&self, place: Place) -> Vec<(&'static str, Value)> {
         let attributes = match &self.attributes {
-            Weights::Off => json!("off"),
-            Weights::Customary => json!("on"),
-            Weights::Chosen(list) => {
+            AttributeWeights::Off => json!("off"),
+            AttributeWeights::Chosen(list) => {
                 list.iter().map(|(name, weight)| (name.clone(), json!(weight))).collect()
             }
+            _ => json!("on"),
         };
         vec![
             ("metric", json!(self.metric)),

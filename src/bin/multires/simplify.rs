@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
-use multires::mesh::Mesh;
-use multires::simplify::{StopReason, Target};
+use clap::{Args, ValueEnum};
+use multires::mesh::{Mesh, names};
+use multires::simplify::{AttributeDeviation, StopReason, Target};
 use serde_json::{Value, json};
 
 use crate::extract::round_down;
@@ -30,6 +30,26 @@ pub struct Simplify {
     targets: Targets,
     #[command(flatten)]
     rules: Rules,
+    /// What values the attributes of the written mesh have: fitted to the whole surface of the input, or those that its
+    /// vertices had there.
+    #[arg(long, value_name = "V", value_enum, default_value_t = Values::Fitted)]
+    attribute_values: Values,
+}
+
+/// What values attributes have.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Values {
+    Fitted,
+    Kept,
+}
+
+impl Values {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Fitted => "fitted",
+            Self::Kept => "kept",
+        }
+    }
 }
 
 #[derive(Args)]
@@ -73,7 +93,6 @@ impl Targets {
 
 impl Run for Simplify {
     fn run(&self) -> Result<Answer, Failure> {
-        self.rules.check()?;
         files::check_mesh_output(&self.output)?;
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
@@ -82,17 +101,22 @@ impl Run for Simplify {
 
         let start = Instant::now();
         let place = self.rules.place();
-        let mut simplifier = self.rules.simplifier(&mesh, place)?;
+        let mut simplifier = self.rules.simplifier(place)?;
         for target in self.targets.list(&mesh) {
             simplifier = simplifier.target(target);
         }
         let bar = Bar::new("simplifying");
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
         drop(bar);
-        let level = sequence.extract(&mesh, sequence.len());
+        let steps = sequence.len();
+        let level = match self.attribute_values {
+            Values::Fitted => sequence.extract_fitted(&mesh, steps),
+            Values::Kept => sequence.extract(&mesh, steps),
+        };
         let seconds = start.elapsed().as_secs_f64();
         files::write_mesh(&self.output, &level)?;
 
+        let deviations = sequence.attribute_deviations(&mesh, steps, &level);
         let report = sequence.report();
         let diagonal = mesh.diagonal();
         let error_percent = percent(f64::from(report.error), diagonal);
@@ -111,6 +135,8 @@ impl Run for Simplify {
             "error_percent": error_percent,
             "surface_error": report.surface_error,
             "curve_error": report.curve_error,
+            "attribute_values": self.attribute_values.name(),
+            "attribute_deviations": deviations.iter().map(deviation).collect::<Vec<_>>(),
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
             "refusals": rules::refusals(report),
@@ -127,10 +153,31 @@ impl Run for Simplify {
         let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
         table.row("of the surface", error_text(surface, percent(surface, diagonal)));
         table.row("of its curves", error_text(curves, percent(curves, diagonal)));
+        for d in &deviations {
+            let unit = unit(&d.name);
+            table.row(
+                &format!("{} off by", d.name),
+                format!("{:.3} {unit} (mean), {:.3} (most)", d.mean, d.max),
+            );
+        }
         table.row("stopped by", rules::stop_name(report.stop));
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings })
+    }
+}
+
+/// What an attribute is off by, for JSON.
+fn deviation(d: &AttributeDeviation) -> Value {
+    json!({ "name": d.name, "mean": d.mean, "max": d.max, "unit": unit(&d.name) })
+}
+
+/// The unit of a deviation.
+fn unit(name: &str) -> &'static str {
+    match name {
+        names::NORMAL => "degrees",
+        _ if names::is_set_of(name, names::UV) => "object units",
+        _ => "of a channel",
     }
 }
 

@@ -48,6 +48,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let report = SimplifyReport { refusals, ..SimplifyReport::new(stop) };
         let (mut sequence, mut parts) = self.recorder.finish(report);
+        if !sequence.new_vertices.is_empty() {
+            sequence.solved = self.metric.attribute_names().to_vec();
+        }
         if self.tiled {
             reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);

@@ -1,4 +1,4 @@
-//! Attribute deviations on top of any quadric metric (Hoppe 1999, "New quadric metric for simplifying meshes with
+//! Attribute deviations on top of any metric (Hoppe 1999, "New quadric metric for simplifying meshes with
 //! appearance attributes").
 //!
 //! ```text
@@ -11,11 +11,11 @@
 //! precision suffices (compare `quadric.rs`). A wedge's quadric goes where the wedge goes, so seams keep their sides
 //! apart: the cost of a collapse is the sum over the lost point's wedges, each at the wedge it would become.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3, Vec4};
 
-use super::{Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
-use crate::mesh::{Mesh, names};
-use crate::simplify::candidates::blend_weight;
+use super::solve::Symmetric;
+use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
+use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
 use crate::simplify::oracle::WedgeMap;
@@ -36,6 +36,8 @@ pub struct Attributes<'a> {
 /// The scalars of one attribute.
 #[derive(Debug, Clone, Copy)]
 struct Group<'a> {
+    /// None for values that are not part of the mesh.
+    name: Option<&'a str>,
     values: &'a [f32],
     width: usize,
     weight: f32,
@@ -49,12 +51,20 @@ impl<'a> Attributes<'a> {
         Self { mesh, groups: Vec::new(), error: None }
     }
 
-    /// Normals, texture coordinates and colours where the mesh has them, with weights that suit rendering:
+    /// Normals, all sets of texture coordinates and of colours where the mesh has them, with weights that suit rendering:
     /// [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), [`COLOR_WEIGHT`](Self::COLOR_WEIGHT), and for texture coordinates
     /// [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the distance that one unit covers on this mesh's surface.
     pub fn customary(mesh: &'a Mesh) -> Self {
-        let slide = Self::SLIDE_WEIGHT * units_per_uv(mesh);
-        Self::new(mesh).normals(Self::NORMAL_WEIGHT).uv(slide).colors(Self::COLOR_WEIGHT)
+        let mut all = Self::new(mesh).normals(Self::NORMAL_WEIGHT);
+        for attribute in mesh.attributes() {
+            let name = attribute.name();
+            if names::is_set_of(name, names::UV) {
+                all = all.optional(name, Self::SLIDE_WEIGHT * units_per_uv(mesh, attribute));
+            } else if names::is_set_of(name, names::COLOR) {
+                all = all.optional(name, Self::COLOR_WEIGHT);
+            }
+        }
+        all
     }
 
     /// The customary weight of normals.
@@ -99,14 +109,33 @@ impl<'a> Attributes<'a> {
             let expected = "as many values as vertices times a width of 1 or more";
             self.error.get_or_insert(OptionError::OutOfRange { option: "attribute values", value, expected });
         }
-        self.group(Group { values, width, weight, direction: false })
+        self.group(Group { name: None, values, width, weight, direction: false })
+    }
+
+    /// Whether nothing counts.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// These, unless one was asked for that cannot be.
+    pub(crate) fn checked(self) -> Result<Self, OptionError> {
+        match self.error {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
     }
 
     fn optional(self, name: &str, weight: f32) -> Self {
         let Some(attribute) = self.mesh.attribute(name) else { return self };
         let Some(values) = attribute.as_floats() else { return self };
         let direction = name == names::NORMAL && attribute.width() == 3;
-        self.group(Group { values, width: attribute.width(), weight, direction })
+        self.group(Group {
+            name: Some(attribute.name()),
+            values,
+            width: attribute.width(),
+            weight,
+            direction,
+        })
     }
 
     fn group(mut self, group: Group<'a>) -> Self {
@@ -127,12 +156,10 @@ const MAX_WEIGHT: f32 = 1e6;
 /// Thinnest triangle (height over length) whose gradient is trusted; on thinner ones values count as constant.
 const THINNEST: f32 = 1e-5;
 
-/// The distance on the surface that one unit of [`names::UV`] covers on average, as a share of the diagonal; 0 where
+/// The distance on the surface that one unit of a set of texture coordinates covers on average, as a share of the diagonal; 0 where
 /// that makes no sense.
-fn units_per_uv(mesh: &Mesh) -> f32 {
-    let Some(uv) = mesh.attribute(names::UV).filter(|a| a.width() == 2).and_then(|a| a.as_floats()) else {
-        return 0.0;
-    };
+fn units_per_uv(mesh: &Mesh, set: &Attribute) -> f32 {
+    let Some(uv) = set.as_floats().filter(|_| set.width() == 2) else { return 0.0 };
     let (mut surface, mut texture) = (0.0f64, 0.0f64);
     for t in mesh.triangles() {
         let [p, q, r] = t.map(|v| glam::DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
@@ -152,32 +179,43 @@ fn units_per_uv(mesh: &Mesh) -> f32 {
     }
 }
 
-/// Squared attribute deviations on top of another metric.
+/// Squared attribute deviations on top of another metric, at the exchange rate that the metric below gives
+/// ([`ErrorMetric::attribute_cost`]).
 ///
-/// The metric below may be any whose cost is (twice) an area times a squared distance, such as [`Quadric`]. The
-/// attribute part is accumulated since the input, whether the metric below is or not. Positions are left to the metric
-/// below: [`optimum`](ErrorMetric::optimum) is its optimum, at the cost of both; values there are blends along the
-/// edge. Use it for the mesh that the attributes were taken from; vertices beyond those count with values of 0.
+/// The attribute part is accumulated since the input, whether the metric below is or not. Where a collapse makes new
+/// vertices, their values are those of least deviation, wedge by wedge, and
+/// [`optimum`](ErrorMetric::optimum) weighs them with the position (the values are eliminated: given the position, the
+/// best value of every scalar is linear in it). Use it for the mesh that the attributes were taken from; vertices beyond
+/// those count with values of 0.
 ///
-/// Memory: 56 bytes and 20 bytes per scalar for every vertex. A cost takes O(scalars) for every wedge.
+/// Memory: 56 bytes and 20 bytes per scalar for every vertex, scalars rounded up to fours. A cost takes O(scalars) for
+/// every wedge.
 #[derive(Debug, Clone)]
 pub struct WithAttributes<M = Quadric> {
     metric: M,
-    /// Scalars per vertex.
+    /// The attributes of the mesh among those that count.
+    names: Vec<String>,
+    /// Blocks of four scalars per vertex; lanes beyond the last scalar are 0.
     stride: usize,
-    /// The input's values times weight, `stride` per vertex: shares of the diagonal.
-    source: Vec<f32>,
+    /// The input's values times weight, `stride` blocks per vertex: shares of the diagonal.
+    source: Vec<Vec4>,
     /// Diagonal of the mesh's box, object units.
     diagonal: f64,
     /// First scalar and weight of every direction.
     directions: Vec<(usize, f32)>,
+    /// Whether the metric below is left to itself where it counts attributes already.
+    yields: bool,
+    /// Whether it does.
+    yielded: bool,
     /// The diagonal in the inner frame.
     unit: f32,
     /// Values in the inner frame, one set per vertex, new ones included.
-    values: Vec<f32>,
+    values: Vec<Vec4>,
     heads: Vec<Head>,
     /// Sums of area times gradient, and of area times offset; `stride` per vertex.
-    slopes: Vec<[f32; 4]>,
+    slopes: Vec<Slopes>,
+    /// A vertex's values before they were solved.
+    old: Vec<Vec4>,
 }
 
 /// The part of a wedge's quadric that does not grow with the scalars: `d'Ad + 2 b'd + c` at unchanged values.
@@ -201,12 +239,49 @@ impl Head {
             xz * d.x + yz * d.y + zz * d.z,
         )
     }
+
+    /// The quadric at unchanged values.
+    #[inline]
+    fn at(&self, d: Vec3) -> f32 {
+        d.dot(self.times(d)) + 2.0 * d.dot(self.b) + self.c
+    }
+}
+
+/// The part that four scalars have to themselves: `u (area u - 2 (slope . d + offset))` where the value is off by `u`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slopes {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    offset: Vec4,
+}
+
+impl Slopes {
+    /// `slope . d + offset`.
+    #[inline]
+    fn at(&self, d: Vec3) -> Vec4 {
+        self.x * d.x + self.y * d.y + self.z * d.z + self.offset
+    }
+
+    fn slope(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+}
+
+/// The corner of a triangle after each.
+const NEXT: [usize; 3] = [1, 2, 0];
+
+/// The sum of four numbers, in the same order on every machine.
+#[inline]
+fn sum(lanes: Vec4) -> f32 {
+    let [x, y, z, w] = lanes.to_array();
+    (x + y) + (z + w)
 }
 
 impl WithAttributes<Quadric> {
     /// Accumulated quadrics and the [customary](Attributes::customary) attributes of a mesh.
     pub fn new(mesh: &Mesh) -> Self {
-        Self::of(Quadric::new(), &Attributes::customary(mesh))
+        Self::of(Quadric::new(), &Attributes::customary(mesh), false)
     }
 }
 
@@ -219,19 +294,32 @@ impl<M: ErrorMetric> WithAttributes<M> {
     pub fn with(metric: M, attributes: &Attributes<'_>) -> Result<Self, OptionError> {
         match &attributes.error {
             Some(error) => Err(error.clone()),
-            None => Ok(Self::of(metric, attributes)),
+            None => Ok(Self::of(metric, attributes, false)),
         }
     }
 
-    fn of(metric: M, attributes: &Attributes<'_>) -> Self {
-        let stride = attributes.groups.iter().map(|g| g.width).sum();
-        let mut source = Vec::with_capacity(stride * attributes.mesh.positions().len());
-        for vertex in 0..attributes.mesh.positions().len() {
+    /// The same, left out where the metric counts attributes by itself.
+    pub(crate) fn by_default(metric: M, attributes: &Attributes<'_>) -> Self {
+        Self::of(metric, attributes, true)
+    }
+
+    fn of(metric: M, attributes: &Attributes<'_>, yields: bool) -> Self {
+        let scalars: usize = attributes.groups.iter().map(|g| g.width).sum();
+        let stride = scalars.div_ceil(4);
+        let vertices = attributes.mesh.positions().len();
+        let mut source = Vec::with_capacity(stride * vertices);
+        let mut row = vec![0.0; stride * 4];
+        for vertex in 0..vertices {
+            let mut at = 0;
             for group in &attributes.groups {
                 let scalars = &group.values[vertex * group.width..][..group.width];
-                let scaled = |x: f32| if x.is_finite() { x * group.weight } else { 0.0 };
-                source.extend(scalars.iter().map(|&x| scaled(x).clamp(-MAX_WEIGHT, MAX_WEIGHT)));
+                for &x in scalars {
+                    let scaled = if x.is_finite() { x * group.weight } else { 0.0 };
+                    row[at] = scaled.clamp(-MAX_WEIGHT, MAX_WEIGHT);
+                    at += 1;
+                }
             }
+            source.extend(row.chunks_exact(4).map(Vec4::from_slice));
         }
         let mut directions = Vec::new();
         let mut first = 0;
@@ -243,69 +331,126 @@ impl<M: ErrorMetric> WithAttributes<M> {
         }
         Self {
             metric,
+            names: attributes.groups.iter().filter_map(|g| g.name.map(str::to_owned)).collect(),
             stride,
             source,
             diagonal: attributes.mesh.diagonal(),
             directions,
+            yields,
+            yielded: false,
             unit: 0.0,
             values: Vec::new(),
             heads: Vec::new(),
             slopes: Vec::new(),
+            old: Vec::new(),
         }
     }
 }
 
 impl<M> WithAttributes<M> {
+    /// Whether there is nothing to add to the metric below.
+    fn is_idle(&self) -> bool {
+        self.stride == 0 || self.yielded
+    }
+
     /// The values of a vertex.
     #[inline]
-    fn values_of(&self, vertex: u32) -> &[f32] {
+    fn values_of(&self, vertex: u32) -> &[Vec4] {
         &self.values[vertex as usize * self.stride..][..self.stride]
     }
 
-    /// The quadric of a wedge at a position and values.
     #[inline]
-    fn deviation(&self, wedge: u32, x: Vec3, value: impl Fn(usize) -> f32) -> f32 {
+    fn slopes_of(&self, vertex: u32) -> &[Slopes] {
+        &self.slopes[vertex as usize * self.stride..][..self.stride]
+    }
+
+    /// The quadric of a wedge at a position and the values of another vertex.
+    #[inline]
+    fn deviation(&self, wedge: u32, x: Vec3, like: u32) -> f32 {
         let head = &self.heads[wedge as usize];
         let d = x - head.origin;
-        let mut sum = d.dot(head.times(d)) + 2.0 * d.dot(head.b) + head.c;
-        let slopes = &self.slopes[wedge as usize * self.stride..][..self.stride];
-        for (scalar, (own, slope)) in self.values_of(wedge).iter().zip(slopes).enumerate() {
-            let u = value(scalar) - own;
-            let [x, y, z, offset] = *slope;
-            sum += u * (head.area * u - 2.0 * (x * d.x + y * d.y + z * d.z + offset));
+        let mut off = Vec4::ZERO;
+        let own = self.values_of(wedge).iter().zip(self.slopes_of(wedge));
+        for ((own, slopes), value) in own.zip(self.values_of(like)) {
+            let u = *value - *own;
+            off += u * (head.area * u - 2.0 * slopes.at(d));
         }
-        sum.max(0.0)
+        (head.at(d) + sum(off)).max(0.0)
     }
 
-    /// One scalar of the blend of two vertices.
+    /// What a wedge is off by at a position, with the values of another.
     #[inline]
-    fn blend(&self, from: [u32; 2], share: f32, scalar: usize) -> f32 {
-        let [a, b] = from.map(|v| self.values_of(v));
-        let mix = |i: usize| a[i] + (b[i] - a[i]) * share;
-        if let Some(&(first, weight)) = self.directions.iter().find(|d| (d.0..d.0 + 3).contains(&scalar)) {
-            let length = Vec3::new(mix(first), mix(first + 1), mix(first + 2)).length();
-            return if length > 0.0 { mix(scalar) * (weight * self.unit / length) } else { 0.0 };
-        }
-        mix(scalar)
+    fn off_of_wedge(&self, from: u32, to: u32, x: Vec3) -> AttributeSum {
+        AttributeSum { sum: self.deviation(from, x, to), area: self.heads[from as usize].area, added: true }
     }
 
-    /// What the attributes cost where `pair` is merged at `x`, the kept point's own place or between; `whole` with what
-    /// the kept wedges carry where they stay as they are.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, x: Vec3, whole: bool) -> f32 {
-        let mut sum = 0.0;
-        let stays = x == surface.at(pair.kept);
-        let share = blend_weight(surface.at(pair.lost), surface.at(pair.kept), x);
+    /// What the attributes are off by where `pair` is merged where the kept point lies; `whole` with what the kept wedges
+    /// carry already.
+    fn off_at_kept(&self, surface: &Surface, pair: Pair, whole: bool) -> AttributeSum {
+        let mut off = AttributeSum { added: !whole, ..AttributeSum::default() };
+        let x = surface.at(pair.kept);
         for_wedges(surface, pair, |lost, kept| {
-            sum += if stays {
-                let values = self.values_of(kept);
-                let own = if whole { self.heads[kept as usize].c } else { 0.0 };
-                self.deviation(lost, x, |s| values[s]) + own
-            } else {
-                let value = |s: usize| self.blend([lost, kept], share, s);
-                self.deviation(lost, x, value) + self.deviation(kept, x, value)
-            };
+            off.sum += self.deviation(lost, x, kept);
+            off.area += self.heads[lost as usize].area;
+            if whole {
+                off.sum += self.heads[kept as usize].c;
+                off.area += self.heads[kept as usize].area;
+            }
         });
-        sum.min(f32::MAX)
+        off.sum = off.sum.min(f32::MAX);
+        off
+    }
+
+    /// What the attributes are off by wherever `pair` is merged, with the values that are best there.
+    fn off_anywhere(&self, surface: &Surface, pair: Pair) -> AttributeQuadric {
+        let origin = surface.at(pair.lost);
+        let mut all = AttributeQuadric { origin, ..AttributeQuadric::default() };
+        for_wedges(surface, pair, |lost, kept| self.add_wedges(&mut all, lost, kept));
+        all
+    }
+
+    /// Adds what two wedges that become one are off by, as a function of position: for every scalar the value
+    /// `(slopes . d + offsets) / area` that is best there is put in.
+    fn add_wedges(&self, all: &mut AttributeQuadric, lost: u32, kept: u32) {
+        let wedges = if lost == kept { &[lost][..] } else { &[lost, kept][..] };
+        let area: f64 = wedges.iter().map(|&w| f64::from(self.heads[w as usize].area)).sum();
+        for &wedge in wedges {
+            let head = &self.heads[wedge as usize];
+            let t = (head.origin - all.origin).as_dvec3();
+            let a = Symmetric(head.a.map(f64::from));
+            let (at, b) = (a.times(t), head.b.as_dvec3());
+            all.h.add(&a);
+            all.b += b - at;
+            all.constant += t.dot(at) - 2.0 * b.dot(t) + f64::from(head.c);
+        }
+        all.area += area as f32;
+        if area <= 0.0 {
+            return;
+        }
+        let base = self.values_of(lost);
+        for block in 0..self.stride {
+            for lane in 0..4 {
+                let (mut slope, mut offset) = (DVec3::ZERO, 0.0);
+                for &wedge in wedges {
+                    let head = &self.heads[wedge as usize];
+                    let t = (head.origin - all.origin).as_dvec3();
+                    let slopes = &self.slopes_of(wedge)[block];
+                    let g = slopes.slope(lane).as_dvec3();
+                    // About the values of `lost`: the wedge's own are off by `u` from these.
+                    let u = f64::from(self.values_of(wedge)[block][lane]) - f64::from(base[block][lane]);
+                    let o = f64::from(slopes.offset[lane]) - g.dot(t);
+                    let a = f64::from(head.area);
+                    // The value v lies v - u from the wedge's own.
+                    slope += g;
+                    offset += o + a * u;
+                    all.constant += u * (a * u + 2.0 * o);
+                    all.b += g * u;
+                }
+                all.h.add_scaled_outer(slope, -1.0 / area);
+                all.b -= slope * (offset / area);
+                all.constant -= offset * offset / area;
+            }
+        }
     }
 
     /// The quadrics of the surface as it is. Their sums run over the triangles in order, so they are the same always.
@@ -314,13 +459,13 @@ impl<M> WithAttributes<M> {
         let count = triangles().flat_map(|t| surface.corner_vertices(t)).max().map_or(0, |v| v as usize + 1);
         self.unit = (self.diagonal * surface.frame().scale()) as f32;
         self.values.clear();
-        self.values.extend(self.source.iter().map(|x| x * self.unit));
+        self.values.extend(self.source.iter().map(|x| *x * self.unit));
         let count = count.max(self.source.len() / self.stride.max(1));
-        self.values.resize(count * self.stride, 0.0);
+        self.values.resize(count * self.stride, Vec4::ZERO);
         self.heads.clear();
         self.heads.resize(count, Head::default());
         self.slopes.clear();
-        self.slopes.resize(count * self.stride, [0.0; 4]);
+        self.slopes.resize(count * self.stride, Slopes::default());
         let mut points = [0; 3];
         for t in triangles() {
             if let Some(corners) = surface.triangle(t) {
@@ -341,20 +486,17 @@ impl<M> WithAttributes<M> {
         let normal = cross * inverse;
         let (along_e, along_f) = (f.cross(normal) * inverse, normal.cross(e) * inverse);
         let mut a = [0.0; 6];
-        for scalar in 0..self.stride {
-            let [sp, sq, sr] = wedges.map(|w| self.values[w as usize * self.stride + scalar]);
-            let g = (sq - sp) * along_e + (sr - sp) * along_f;
-            let w = area * g;
-            for (sum, term) in
-                a.iter_mut().zip([w.x * g.x, w.y * g.y, w.z * g.z, w.x * g.y, w.x * g.z, w.y * g.z])
-            {
-                *sum += term;
-            }
+        for block in 0..self.stride {
+            let [sp, sq, sr] = wedges.map(|w| self.values[w as usize * self.stride + block]);
+            let (se, sf) = (sq - sp, sr - sp);
+            let [x, y, z] = [0, 1, 2].map(|i| se * along_e[i] + sf * along_f[i]);
+            let terms = [x * x, y * y, z * z, x * y, x * z, y * z];
+            a.iter_mut().zip(terms).for_each(|(all, term)| *all += area * sum(term));
             for wedge in wedges {
-                let slope = &mut self.slopes[wedge as usize * self.stride + scalar];
-                for i in 0..3 {
-                    slope[i] += w[i];
-                }
+                let slopes = &mut self.slopes[wedge as usize * self.stride + block];
+                slopes.x += area * x;
+                slopes.y += area * y;
+                slopes.z += area * z;
             }
         }
         for (wedge, origin) in wedges.into_iter().zip([p, q, r]) {
@@ -369,27 +511,62 @@ impl<M> WithAttributes<M> {
     fn transfer(&mut self, from: u32, to: u32) {
         let (from, to) = (from as usize, to as usize);
         let head = self.heads[from];
-        let target = &mut self.heads[to];
-        let t = target.origin - head.origin;
-        let at = head.times(t);
-        let mut b = head.b + at;
-        let mut c = t.dot(at) + 2.0 * t.dot(head.b) + head.c;
-        for scalar in 0..self.stride {
-            let (i, j) = (from * self.stride + scalar, to * self.stride + scalar);
+        let t = self.heads[to].origin - head.origin;
+        let mut b = head.b + head.times(t);
+        let mut c = Vec4::ZERO;
+        for block in 0..self.stride {
+            let (i, j) = (from * self.stride + block, to * self.stride + block);
             let u = self.values[j] - self.values[i];
-            let [x, y, z, offset] = self.slopes[i];
-            let here = offset + x * t.x + y * t.y + z * t.z - head.area * u;
+            let slopes = self.slopes[i];
+            let here = slopes.at(t) - head.area * u;
             c -= u * (here + here + head.area * u);
-            b -= u * Vec3::new(x, y, z);
-            let slope = &mut self.slopes[j];
-            for (sum, term) in slope.iter_mut().zip([x, y, z, here]) {
-                *sum += term;
-            }
+            b -= Vec3::new(sum(u * slopes.x), sum(u * slopes.y), sum(u * slopes.z));
+            let target = &mut self.slopes[j];
+            target.x += slopes.x;
+            target.y += slopes.y;
+            target.z += slopes.z;
+            target.offset += here;
         }
+        let target = &mut self.heads[to];
         target.b += b;
-        target.c += c.max(0.0);
+        target.c += (head.at(t) + sum(c)).max(0.0);
         target.area += head.area;
         target.a.iter_mut().zip(head.a).for_each(|(sum, term)| *sum += term);
+    }
+
+    /// Gives a vertex the values that are best where it lies; directions are brought back to their length.
+    fn solve(&mut self, vertex: u32) {
+        let area = self.heads[vertex as usize].area;
+        let first = vertex as usize * self.stride;
+        let mut old = std::mem::take(&mut self.old);
+        old.clear();
+        old.extend_from_slice(&self.values[first..][..self.stride]);
+        if area > 0.0 {
+            for (value, slopes) in self.values[first..].iter_mut().zip(&self.slopes[first..]) {
+                *value += slopes.offset / area;
+            }
+        }
+        let length = |weight: f32| weight * self.unit;
+        for &(scalar, weight) in &self.directions {
+            let at = |i: usize| (first + (scalar + i) / 4, (scalar + i) % 4);
+            let direction = Vec3::from_array(std::array::from_fn(|i| self.values[at(i).0][at(i).1]));
+            if let Some(unit) = direction.try_normalize() {
+                let direction = unit * length(weight);
+                (0..3).for_each(|i| self.values[at(i).0][at(i).1] = direction[i]);
+            }
+        }
+        // The quadric about the new values.
+        let head = &mut self.heads[vertex as usize];
+        let mut c = 0.0;
+        for (block, old) in old.iter().enumerate() {
+            let u = self.values[first + block] - *old;
+            let slopes = &mut self.slopes[first + block];
+            c += sum(u * (area * u - 2.0 * slopes.offset));
+            head.b -= Vec3::new(sum(u * slopes.x), sum(u * slopes.y), sum(u * slopes.z));
+            slopes.offset -= area * u;
+        }
+        head.c = (head.c + c).max(0.0);
+        self.old = old;
     }
 }
 
@@ -398,33 +575,73 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         match self.metric.name() {
             "quadric" => "quadric+attributes",
             "memoryless-quadric" => "memoryless-quadric+attributes",
+            "lindstrom-turk" => "lindstrom-turk+attributes",
+            "volume-area" => "volume-area+attributes",
+            "unsigned-volume" => "unsigned-volume+attributes",
+            "hybrid" => "hybrid+attributes",
+            "progressive-mesh" => "progressive-mesh+attributes",
+            "edge-length" => "edge-length+attributes",
             _ => "attributes",
         }
     }
 
     fn begin(&mut self, surface: &Surface, batch: Batch) {
         self.metric.begin(surface, batch);
+        self.yielded = self.yields && self.metric.counts_attributes();
         if batch.index == 0 || self.heads.is_empty() {
             self.build(surface);
         }
     }
 
     fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
-        self.metric.cost(surface, pair, position)
-            + self.attribute_cost(surface, pair, Vec3::from(position), true)
+        let cost = self.metric.cost(surface, pair, position);
+        if self.is_idle() {
+            return cost;
+        }
+        let off = if position == surface.position(pair.kept) {
+            self.off_at_kept(surface, pair, true)
+        } else {
+            self.off_anywhere(surface, pair).at(position)
+        };
+        cost + self.metric.attribute_cost(surface, pair, off)
     }
 
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
-        // Attribute deviations are summed as plain quadrics are, with six times the integral: at the inner metric's
-        // own rate they keep their weight beside it.
-        let rate = self.metric.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0);
-        self.metric.cost_at_kept(surface, pair)
-            + rate * self.attribute_cost(surface, pair, surface.at(pair.kept), false)
+        let cost = self.metric.cost_at_kept(surface, pair);
+        if self.is_idle() {
+            return cost;
+        }
+        cost + self.metric.attribute_cost(surface, pair, self.off_at_kept(surface, pair, false))
+    }
+
+    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.metric.costs_at_kept(surface, lost, kept, costs);
+        if self.is_idle() {
+            return;
+        }
+        let one_wedge = surface.has_seams() && surface.kind(lost) & kind::FEATURE == 0;
+        let mut star = surface.star(lost);
+        for (&kept, cost) in kept.iter().zip(costs) {
+            let pair = Pair { lost, kept };
+            // Mostly neighbours come as they lie around, and the triangle at hand tells both wedges.
+            let corner = if one_wedge { star.next().filter(|c| c.others[0] == kept) } else { None };
+            let off = match corner {
+                Some(corner) => {
+                    let vertices = surface.corner_vertices(corner.triangle);
+                    let [from, to] = [corner.slot as usize, NEXT[corner.slot as usize]].map(|i| vertices[i]);
+                    self.off_of_wedge(from, to, surface.at(kept))
+                }
+                None => self.off_at_kept(surface, pair, false),
+            };
+            *cost += self.metric.attribute_cost(surface, pair, off);
+        }
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        let (position, cost) = self.metric.optimum(surface, pair)?;
-        Some((position, cost + self.attribute_cost(surface, pair, Vec3::from(position), true)))
+        if self.is_idle() {
+            return self.metric.optimum(surface, pair);
+        }
+        self.metric.optimum_with(surface, pair, &self.off_anywhere(surface, pair))
     }
 
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
@@ -437,18 +654,21 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         let reach = pairs.iter().flatten().max().map_or(0, |&v| v as usize + 1);
         if reach > self.heads.len() {
             self.heads.resize(reach, Head::default());
-            self.values.resize(reach * self.stride, 0.0);
-            self.slopes.resize(reach * self.stride, [0.0; 4]);
+            self.values.resize(reach * self.stride, Vec4::ZERO);
+            self.slopes.resize(reach * self.stride, Slopes::default());
         }
         for (new, vertex) in new_vertices.iter().zip(first_new..) {
             self.heads[vertex as usize].origin = Vec3::from(position);
-            for scalar in 0..self.stride {
-                self.values[vertex as usize * self.stride + scalar] =
-                    self.blend(new.from, new.weight, scalar);
+            for block in 0..self.stride {
+                let [a, b] = new.from.map(|v| self.values[v as usize * self.stride + block]);
+                self.values[vertex as usize * self.stride + block] = a + (b - a) * new.weight;
             }
         }
         for &[from, to] in pairs {
             self.transfer(from, to);
+        }
+        for vertex in (first_new..).take(new_vertices.len()) {
+            self.solve(vertex);
         }
     }
 
@@ -458,6 +678,25 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
 
     fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
         self.metric.cost_per_deviation(surface, pair)
+    }
+
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        self.metric.attribute_cost(surface, pair, off)
+    }
+
+    fn counts_attributes(&self) -> bool {
+        true
+    }
+
+    fn attribute_names(&self) -> &[String] {
+        if self.is_idle() { self.metric.attribute_names() } else { &self.names }
+    }
+
+    fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
+        if self.is_idle() {
+            return self.metric.substitution_deviation(from, to, position);
+        }
+        Some(self.off_of_wedge(from, to, Vec3::from(position)))
     }
 
     fn dependence(&self) -> Dependence {

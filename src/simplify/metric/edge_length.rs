@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::region::{finite, swept_by_rims};
-use super::{Batch, Dependence, ErrorMetric, Pair};
+use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// Weight of the area that rims sweep against the squared length.
@@ -16,6 +16,9 @@ const RIM: f64 = 64.0;
 /// The squared length of the edge, and the area that rims sweep. There is no optimum: the midpoint is taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EdgeLength;
+
+/// Length of an edge over the distance that the surface between its ends is taken to be off by.
+const LENGTHS: f64 = 32.0;
 
 impl EdgeLength {
     /// The metric.
@@ -42,6 +45,12 @@ impl ErrorMetric for EdgeLength {
 
     fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
         None
+    }
+
+    /// The square of the length of an edge on which a surface that bends is off by as much: on a sphere, the middle of
+    /// an edge as long as a quarter of the radius lies a thirty-second of its length off.
+    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+        (off.mean() * LENGTHS * LENGTHS) as f32
     }
 
     /// Only edges at the merged point change their length; rims hardly sweep other areas.

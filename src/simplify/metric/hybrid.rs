@@ -7,9 +7,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::region::{Facet, at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
+use super::region::{
+    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
+};
 use super::unsigned_volume::{swept, swept_to_kept};
-use super::{Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// The unsigned swept volume times the largest deviation of a normal.
@@ -63,5 +65,22 @@ impl ErrorMetric for Hybrid {
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+
+    /// The volume between the surface and one that is off by as much, times the turn of a normal where the surface is
+    /// off by that at one end of the edge and by nothing at the other: half of the squared slope.
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        let length2 = f64::from(surface.at(pair.lost).distance_squared(surface.at(pair.kept)));
+        let turn = off.mean() / (2.0 * length2).max(f64::MIN_POSITIVE);
+        finite(off.volume() * turn.min(2.0))
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        cheapest_place_with(self, surface, pair, attributes)
     }
 }

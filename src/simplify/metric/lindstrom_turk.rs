@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use super::region::{at, finite, for_border_edges, for_region, for_rims};
 use super::solve::{Constraints, Symmetric, minimise_on_plane};
 use super::stars::{Stars, Sum, Weight};
-use super::{Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// 1/2 of the squared volume (a sixth of the product, squared).
@@ -44,6 +44,13 @@ impl LindstromTurk {
     /// The metric, with the paper's weights (1/2 and 1/2).
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Twice the area of a triangle around the two points: root mean square.
+    fn double_area(&self, surface: &Surface, pair: Pair) -> f64 {
+        let count = surface.valence(pair.lost) + surface.valence(pair.kept);
+        let squares = self.stars.squares(pair.lost) + self.stars.squares(pair.kept);
+        (squares / count.max(1) as f64).sqrt()
     }
 
     /// Volumes and rims of a candidate with a point on a curve, relative to the lost point.
@@ -128,11 +135,33 @@ impl ErrorMetric for LindstromTurk {
 
     #[inline]
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        self.optimum_with(surface, pair, &AttributeQuadric::default())
+    }
+
+    /// A squared volume is a squared distance times the square of twice the area, not twice the area: so the exchange
+    /// rate is twice the area of a triangle around.
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        finite(f64::from(off.sum) * self.double_area(surface, pair) * SCALE)
+    }
+
+    #[inline]
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        let counts = attributes.area > 0.0;
+        let rate = if counts { self.double_area(surface, pair) } else { 0.0 };
         if is_at_rim(surface, pair) {
-            let (sum, border) = self.at_rim(surface, pair);
+            let (mut sum, border) = self.at_rim(surface, pair);
+            attributes.add_to(&mut sum, rate);
             return place(surface, pair, &sum, Some(&border));
         }
-        let sum = self.stars.region(surface, pair);
+        let mut sum = self.stars.region(surface, pair);
+        if counts {
+            attributes.add_to(&mut sum, rate);
+        }
         match minimise_on_plane(&sum.h, sum.c, sum.normals, sum.offset) {
             Some(x) => Some(placed(surface, pair, &sum, x)),
             None => place(surface, pair, &sum, None),

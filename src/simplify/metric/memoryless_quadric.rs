@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::region::{at, finite};
 use super::solve::nearest_minimum;
 use super::stars::{Stars, Sum, Weight};
-use super::{Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// Weight of the planes upright on borders, feature edges and creases against triangles of the same area.
@@ -53,7 +53,17 @@ impl ErrorMetric for MemorylessQuadric {
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        let sum = self.region(surface, pair);
+        self.optimum_with(surface, pair, &AttributeQuadric::default())
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        let mut sum = self.region(surface, pair);
+        attributes.add_to(&mut sum, 1.0);
         let lost = at(surface, pair.lost);
         let middle = 0.5 * (at(surface, pair.kept) - lost);
         let x = middle + nearest_minimum(&sum.h, sum.h.times(middle) - sum.c);

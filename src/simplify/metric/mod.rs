@@ -10,10 +10,11 @@
 //! | [`Quadric`] | the same, accumulated since the input | Garland and Heckbert 1997 |
 //! | [`VolumeArea`] | volume and area change | TOM 4.1 |
 //! | [`LindstromTurk`] | volume, boundary and shape objectives | Lindstrom and Turk 1998 |
-//! | [`WithAttributes`] | any quadric plus squared attribute deviations | Hoppe 1999 |
+//! | [`WithAttributes`] | any of them plus squared attribute deviations | Hoppe 1999 |
 
 mod attributes;
 mod by_name;
+mod deviation;
 mod edge_length;
 mod hybrid;
 mod lindstrom_turk;
@@ -29,6 +30,7 @@ mod volume_area;
 
 pub use attributes::{Attributes, WithAttributes};
 pub use by_name::{NAMES, by_name};
+pub use deviation::{AttributeQuadric, AttributeSum};
 pub use edge_length::EdgeLength;
 pub use hybrid::Hybrid;
 pub use lindstrom_turk::LindstromTurk;
@@ -146,6 +148,44 @@ pub trait ErrorMetric: Send + Sync {
         None
     }
 
+    /// What attributes that are off cost here, in this metric's own unit: the exchange rate of [`WithAttributes`]. By
+    /// default squared deviations times area, at the rate of [`cost_per_deviation`](ErrorMetric::cost_per_deviation)
+    /// where there is one: the sum counts every triangle at its three corners with twice its area, which is six times
+    /// the integral.
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        off.sum * self.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0)
+    }
+
+    /// The position where this metric and attributes cost least together, and what both cost there; `None` where the
+    /// metric has no opinion. By default [`optimum`](ErrorMetric::optimum), whatever the attributes say.
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        let (x, cost) = self.optimum(surface, pair)?;
+        Some((x, cost + self.attribute_cost(surface, pair, attributes.at(x))))
+    }
+
+    /// Whether attributes count in these costs already, so that a simplifier does not add them once more.
+    fn counts_attributes(&self) -> bool {
+        false
+    }
+
+    /// The names of the mesh's attributes that count here. Vertices that collapses make get values of these that fit the
+    /// surface; values of others are blends.
+    fn attribute_names(&self) -> &[String] {
+        &[]
+    }
+
+    /// What attributes would be off by if the vertex `from` was substituted by `to` as it is, its point lying at
+    /// `position` (inner frame); `None` where the metric keeps no attributes.
+    fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
+        let _ = (from, to, position);
+        None
+    }
+
     /// What costs depend on besides the two positions, so that no more is looked at again than must be.
     fn dependence(&self) -> Dependence {
         Dependence::Triangles
@@ -164,42 +204,69 @@ pub enum Dependence {
     Triangles,
 }
 
-impl ErrorMetric for Box<dyn ErrorMetric> {
-    fn name(&self) -> &'static str {
-        (**self).name()
-    }
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
-        (**self).begin(surface, batch);
-    }
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
-        (**self).cost(surface, pair, position)
-    }
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
-        (**self).cost_at_kept(surface, pair)
-    }
-    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
-        (**self).costs_at_kept(surface, lost, kept, costs);
-    }
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        (**self).optimum(surface, pair)
-    }
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
-        (**self).collapsing(surface, pair, position);
-    }
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
-        (**self).collapsed(surface, pair);
-    }
-
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
-        (**self).substituting(surface, substitutions);
-    }
-    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
-        (**self).cost_per_deviation(surface, pair)
-    }
-    fn dependence(&self) -> Dependence {
-        (**self).dependence()
-    }
+/// Passes every call on to what the type points to.
+macro_rules! pass_on {
+    ($($header:tt)*) => {
+        $($header)* {
+            fn name(&self) -> &'static str {
+                (**self).name()
+            }
+            fn begin(&mut self, surface: &Surface, batch: Batch) {
+                (**self).begin(surface, batch);
+            }
+            fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+                (**self).cost(surface, pair, position)
+            }
+            fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+                (**self).cost_at_kept(surface, pair)
+            }
+            fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+                (**self).costs_at_kept(surface, lost, kept, costs);
+            }
+            fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+                (**self).optimum(surface, pair)
+            }
+            fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+                (**self).collapsing(surface, pair, position);
+            }
+            fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+                (**self).collapsed(surface, pair);
+            }
+            fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+                (**self).substituting(surface, substitutions);
+            }
+            fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+                (**self).cost_per_deviation(surface, pair)
+            }
+            fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+                (**self).attribute_cost(surface, pair, off)
+            }
+            fn optimum_with(
+                &self,
+                surface: &Surface,
+                pair: Pair,
+                attributes: &AttributeQuadric,
+            ) -> Option<([f32; 3], f32)> {
+                (**self).optimum_with(surface, pair, attributes)
+            }
+            fn counts_attributes(&self) -> bool {
+                (**self).counts_attributes()
+            }
+            fn attribute_names(&self) -> &[String] {
+                (**self).attribute_names()
+            }
+            fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
+                (**self).substitution_deviation(from, to, position)
+            }
+            fn dependence(&self) -> Dependence {
+                (**self).dependence()
+            }
+        }
+    };
 }
+
+pass_on!(impl ErrorMetric for Box<dyn ErrorMetric>);
+pass_on!(impl<M: ErrorMetric + ?Sized> ErrorMetric for &mut M);
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions};
+use super::{
+    AttributeQuadric, AttributeSum, Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions,
+};
 use crate::simplify::surface::Surface;
 
 /// A metric chosen anew for each batch.
@@ -75,6 +77,31 @@ impl ErrorMetric for PerBatch {
 
     fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
         self.current.cost_per_deviation(surface, pair)
+    }
+
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        self.current.attribute_cost(surface, pair, off)
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        self.current.optimum_with(surface, pair, attributes)
+    }
+
+    fn counts_attributes(&self) -> bool {
+        self.current.counts_attributes()
+    }
+
+    fn attribute_names(&self) -> &[String] {
+        self.current.attribute_names()
+    }
+
+    fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
+        self.current.substitution_deviation(from, to, position)
     }
 
     fn dependence(&self) -> Dependence {

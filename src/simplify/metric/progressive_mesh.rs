@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use super::region::{at, finite, for_region};
 use super::solve::{Symmetric, nearest_minimum};
 use super::stars::{Stars, Sum, Weight};
-use super::{Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// Weight of the planes upright on borders, feature edges and creases against that of a triangle's plane.
@@ -76,6 +76,11 @@ impl ProgressiveMeshMetric {
     }
 }
 
+/// Triangles around the two points, those on the edge counted twice.
+fn planes(surface: &Surface, pair: Pair) -> f64 {
+    (surface.valence(pair.lost) + surface.valence(pair.kept)) as f64
+}
+
 fn stiffness(kappa: f32) -> f64 {
     if kappa.is_finite() && kappa > 0.0 { f64::from(kappa) } else { 0.0 }
 }
@@ -117,7 +122,24 @@ impl ErrorMetric for ProgressiveMeshMetric {
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
-        let sum = self.region(surface, pair);
+        self.optimum_with(surface, pair, &AttributeQuadric::default())
+    }
+
+    /// Distances are not weighted by area: as many planes as there are around are off by the mean.
+    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        finite(off.mean() * planes(surface, pair))
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        let mut sum = self.region(surface, pair);
+        if attributes.area > 0.0 {
+            attributes.add_to(&mut sum, planes(surface, pair) / f64::from(attributes.area));
+        }
         let lost = at(surface, pair.lost);
         let middle = 0.5 * (at(surface, pair.kept) - lost);
         let x = middle + nearest_minimum(&sum.h, sum.h.times(middle) - sum.c);

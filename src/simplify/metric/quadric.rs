@@ -11,7 +11,7 @@
 use glam::{Vec3, Vec4};
 
 use super::solve::{Symmetric, nearest_minimum};
-use super::{Batch, Dependence, ErrorMetric, Pair};
+use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::lanes::Lanes;
 use crate::simplify::surface::Surface;
 
@@ -157,13 +157,31 @@ impl ErrorMetric for Quadric {
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+        self.optimum_with(surface, pair, &AttributeQuadric::default())
+    }
+
+    /// Sums of twice the area times squares, as the attributes' are; or, where the kept point stays, what becomes of
+    /// them here.
+    fn attribute_cost(&self, _: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+        let even = off.added && !self.verified;
+        off.sum * if even { self.quadrics[pair.lost as usize].evenness() } else { 1.0 }
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
         let (lost, kept) = (surface.at(pair.lost), surface.at(pair.kept));
         let middle = 0.5 * (lost + kept);
         let (a, b) = (&self.quadrics[pair.lost as usize], &self.quadrics[pair.kept as usize]);
-        let h = Symmetric(std::array::from_fn(|i| f64::from(a.a[i]) + f64::from(b.a[i])));
-        let gradient = a.gradient(middle - lost) + b.gradient(middle - kept);
-        let x = middle + nearest_minimum(&h, gradient.as_dvec3()).as_vec3();
-        Some((x.into(), a.at(x - lost) + b.at(x - kept)))
+        let mut h = Symmetric(std::array::from_fn(|i| f64::from(a.a[i]) + f64::from(b.a[i])));
+        h.add(&attributes.h);
+        let gradient = (a.gradient(middle - lost) + b.gradient(middle - kept)).as_dvec3();
+        let gradient = gradient + attributes.gradient(middle);
+        let x = middle + nearest_minimum(&h, gradient).as_vec3();
+        Some((x.into(), a.at(x - lost) + b.at(x - kept) + attributes.at(x.into()).sum))
     }
 
     fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {

@@ -10,8 +10,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Pair;
 use super::solve::{Symmetric, nearest_minimum};
+use super::{AttributeQuadric, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// One triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
@@ -144,6 +144,18 @@ pub(super) fn cheapest_place(
         }
     }
     best.map(|(x, c)| (x.into(), c))
+}
+
+/// The same, with attributes at the metric's own exchange rate.
+pub(super) fn cheapest_place_with(
+    metric: &impl ErrorMetric,
+    surface: &Surface,
+    pair: Pair,
+    attributes: &AttributeQuadric,
+) -> Option<([f32; 3], f32)> {
+    cheapest_place(surface, pair, |x| {
+        metric.cost(surface, pair, x) + metric.attribute_cost(surface, pair, attributes.at(x))
+    })
 }
 
 /// Where the sum of squared volumes between the point and the region's triangles is least; near the middle of the edge

@@ -136,6 +136,12 @@ impl Stars {
         star
     }
 
+    /// The sum of the squared lengths of the normals around a point (and of planes upright there).
+    #[inline]
+    pub fn squares(&self, point: u32) -> f64 {
+        self.stars[point as usize].planes.trace()
+    }
+
     /// The plane through an edge, upright on one of its triangles.
     fn upright(&self, surface: &Surface, point: u32, other: u32, triangle: u32) -> Symmetric {
         let edge = at(surface, other) - at(surface, point);

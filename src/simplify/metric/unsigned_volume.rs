@@ -13,8 +13,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::region::{at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
-use super::{Batch, ErrorMetric, Pair};
+use super::region::{
+    at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
+};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
@@ -62,5 +64,19 @@ impl ErrorMetric for UnsignedVolume {
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+
+    /// The volume between the surface and one that is off by as much.
+    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+        finite(off.volume())
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        cheapest_place_with(self, surface, pair, attributes)
     }
 }

@@ -13,8 +13,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::region::{Facet, at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
-use super::{Batch, ErrorMetric, Pair};
+use super::region::{
+    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
+};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
 /// The penalty of TOM: volume and area change, made for [`Placement::Endpoint`](crate::simplify::Placement::Endpoint).
@@ -94,5 +96,19 @@ impl ErrorMetric for VolumeArea {
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
+    }
+
+    /// The volume between the surface and one that is off by as much to one side: swept, and as a signed change.
+    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+        finite((1.0 + SIGNED) * off.volume())
+    }
+
+    fn optimum_with(
+        &self,
+        surface: &Surface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<([f32; 3], f32)> {
+        cheapest_place_with(self, surface, pair, attributes)
     }
 }

@@ -1,0 +1,165 @@
+//! Where the input lies on a level: for the middle of every input triangle, the nearest place on the level in its own
+//! chart.
+//!
+//! ```text
+//!     input triangle -> the vertices that stand for its corners -> the level's triangles around these
+//!                    -> the nearest one -> those around its corners -> ... until none is nearer
+//! ```
+//!
+//! Vertices are wedges, so triangles around them are of the same chart; where a seam has moved, the other side of it is
+//! not taken for this one. The search is local: a place that is nearer by far across the mesh is not found, nor meant.
+
+use glam::DVec3;
+
+use crate::mesh::{Mesh, NONE};
+
+/// Rounds of looking around the nearest triangle so far.
+const ROUNDS: usize = 4;
+/// Triangles around a vertex that are looked at; of hubs no more.
+const MOST: usize = 64;
+
+/// A place on a level.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// `NONE` where the input's part is gone from the level.
+    pub triangle: u32,
+    /// Of the triangle's corners; they sum to 1.
+    pub weights: [f32; 3],
+}
+
+/// The place of the middle of every triangle of the mesh. `number` gives for every vertex of the mesh the level's vertex
+/// that stands for it, `NONE` where there is none. O(input) for levels without hubs.
+pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
+    let stars = Stars::new(level);
+    let one = |t: usize| {
+        let corners = mesh.triangles()[t];
+        let middle = middle(mesh, corners);
+        stars.place(level, middle, corners.map(|v| number[v as usize]))
+    };
+    let count = mesh.triangles().len();
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().with_min_len(1024).map(one).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        (0..count).map(one).collect()
+    }
+}
+
+pub(super) fn at(mesh: &Mesh, vertex: u32) -> DVec3 {
+    DVec3::from_array(mesh.positions()[vertex as usize].map(f64::from))
+}
+
+/// The middle of a triangle.
+fn middle(mesh: &Mesh, [a, b, c]: [u32; 3]) -> DVec3 {
+    (at(mesh, a) + at(mesh, b) + at(mesh, c)) / 3.0
+}
+
+/// The triangles around every vertex of a level.
+struct Stars {
+    start: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Stars {
+    fn new(level: &Mesh) -> Self {
+        let mut start = vec![0u32; level.positions().len() + 1];
+        level.indices().iter().for_each(|&v| start[v as usize + 1] += 1);
+        for v in 1..start.len() {
+            start[v] += start[v - 1];
+        }
+        let mut next = start.clone();
+        let mut triangles = vec![0; level.indices().len()];
+        for (t, corners) in level.triangles().iter().enumerate() {
+            for &v in corners {
+                triangles[next[v as usize] as usize] = t as u32;
+                next[v as usize] += 1;
+            }
+        }
+        Self { start, triangles }
+    }
+
+    fn of(&self, vertex: u32) -> &[u32] {
+        let [first, last] = [vertex, vertex + 1].map(|v| self.start[v as usize] as usize);
+        &self.triangles[first..last]
+    }
+
+    fn place(&self, level: &Mesh, point: DVec3, corners: [u32; 3]) -> Place {
+        let mut best = (f64::INFINITY, Place { triangle: NONE, weights: [0.0; 3] });
+        let mut seen = [NONE; 3 * (ROUNDS + 1)];
+        let mut count = 0;
+        let mut around = corners;
+        for _ in 0..=ROUNDS {
+            let before = best.1.triangle;
+            for vertex in around {
+                if vertex == NONE || seen[..count].contains(&vertex) {
+                    continue;
+                }
+                seen[count] = vertex;
+                count += 1;
+                for &triangle in self.of(vertex).iter().take(MOST) {
+                    let ends = level.triangles()[triangle as usize].map(|v| at(level, v));
+                    let (weights, distance) = nearest(point, ends);
+                    if distance < best.0 {
+                        best = (distance, Place { triangle, weights: weights.map(|w| w as f32) });
+                    }
+                }
+            }
+            if best.1.triangle == before {
+                break;
+            }
+            around = level.triangles()[best.1.triangle as usize];
+        }
+        best.1
+    }
+}
+
+/// Weights of the point of a triangle that is nearest to `p`, and its squared distance.
+fn nearest(p: DVec3, [a, b, c]: [DVec3; 3]) -> ([f64; 3], f64) {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(ac);
+    let square = normal.length_squared();
+    let (v, w) = (ap.cross(ac).dot(normal) / square, ab.cross(ap).dot(normal) / square);
+    if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+        return ([1.0 - v - w, v, w], ap.dot(normal).powi(2) / square);
+    }
+    let along = |from: DVec3, to: DVec3| {
+        let edge = to - from;
+        let share = ((p - from).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (share, (from + edge * share).distance_squared(p))
+    };
+    let [(x, first), (y, second), (z, third)] = [along(a, b), along(b, c), along(c, a)];
+    if first <= second && first <= third {
+        ([1.0 - x, x, 0.0], first)
+    } else if second <= third {
+        ([0.0, 1.0 - y, y], second)
+    } else {
+        ([z, 0.0, 1.0 - z], third)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_point_is_no_farther_than_any_other() {
+        let [a, b, c] = [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.5, 1.0, 0.0)];
+        for i in 0..1000u32 {
+            let random =
+                |k: u32| f64::from(i.wrapping_mul(2_654_435_761).wrapping_add(k * 977) % 1000) / 200.0 - 2.0;
+            let p = DVec3::new(random(1), random(2), random(3));
+            let (w, distance) = nearest(p, [a, b, c]);
+            let point = a * w[0] + b * w[1] + c * w[2];
+            assert!((point.distance_squared(p) - distance).abs() < 1e-9 && w.iter().all(|w| *w >= 0.0));
+            for j in 0..=10 {
+                for k in 0..=10 - j {
+                    let (v, u) = (f64::from(j) / 10.0, f64::from(k) / 10.0);
+                    assert!((a + (b - a) * v + (c - a) * u).distance_squared(p) >= distance - 1e-9);
+                }
+            }
+        }
+    }
+}
