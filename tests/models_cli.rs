@@ -48,8 +48,8 @@ fn commands(file: &Path, folder: &Folder) -> Option<(Mesh, [Mesh; 3])> {
     let [output, baked, level] = ["out.ply", "all.mres", "level.ply"].map(|n| folder.file(n));
     let commands = [
         json("info", &[file], ""),
-        json("simplify", &[file, &output], "--ratio 0.1"),
-        json("build", &[file, &baked], "--structure tom"),
+        json("simplify", &[file, &output], "--ratio 0.1 --keep-parts"),
+        json("build", &[file, &baked], "--structure tom --keep-parts"),
     ];
     if commands[0].code == Some(1) {
         let reasons = commands.each_ref().map(Said::refusal);
@@ -90,7 +90,7 @@ fn hierarchy(file: &Path, folder: &Folder) -> Vec<(String, Mesh)> {
     }
     let mut levels = Vec::new();
     for policy in ["neighbours", "none"] {
-        let how = format!("--structure hierarchy --dependencies {policy}");
+        let how = format!("--structure hierarchy --dependencies {policy} --keep-parts");
         let built = json("build", &[file, &baked], &how).answer();
         let info = json("info", &[&baked], "").answer();
         assert_eq!((&info["splits"], &info["dependencies"]), (&built["splits"], &policy.into()));

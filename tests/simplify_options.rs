@@ -8,7 +8,9 @@ use std::ops::ControlFlow;
 use meshes::*;
 use multires::mesh::{Attribute, Mesh, names};
 use multires::simplify::metric::{Attributes, Quadric, WithAttributes};
-use multires::simplify::{CollapseSequence, OptionError, Order, Placement, Simplifier, StopReason, Target};
+use multires::simplify::{
+    CollapseSequence, OptionError, Order, Parts, Placement, Simplifier, StopReason, Target,
+};
 
 const PLACEMENTS: [Placement; 4] =
     [Placement::Endpoint, Placement::Midpoint, Placement::Subset, Placement::Optimal];
@@ -286,7 +288,8 @@ fn joining_needs_a_distance() {
     triangles.extend(grid_triangles(6, 6, patch.len() as u32));
     let mesh = Mesh::new(positions, triangles).unwrap();
     let parts = |distance: f32, placement: Placement| {
-        let sequence = Simplifier::new().placement(placement).join_distance(distance).run(&mesh).unwrap();
+        let simplifier = Simplifier::new().placement(placement).parts(Parts::Keep);
+        let sequence = simplifier.join_distance(distance).run(&mesh).unwrap();
         let point = points(&mesh, &sequence);
         (0..=sequence.len())
             .map(|steps| components(&level(&mesh, &sequence, &point, steps).points))

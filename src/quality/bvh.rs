@@ -297,6 +297,29 @@ impl Walker<'_> {
         }
     }
 
+    /// Calls `visit` with the slots after `slot` whose boxes meet its box; always in the same order. O(log n) expected, and
+    /// what lies around it.
+    pub(crate) fn overlapping(&mut self, slot: u32, mut visit: impl FnMut(u32)) {
+        let bvh = self.bvh;
+        let own = bvh.frame.bounds(&bvh.corners(slot));
+        self.near.clear();
+        self.near.push((0, 0.0));
+        while let Some((index, _)) = self.near.pop() {
+            let node = &bvh.nodes[index as usize];
+            // The boxes' margin is wider than what rounding takes.
+            let apart = node.aabb.min.cmpgt(own.max) | node.aabb.max.cmplt(own.min);
+            if apart.any() {
+                continue;
+            }
+            if node.is_leaf() {
+                let slots = node.first_index..node.first_index + node.prim_count;
+                slots.filter(|&other| other > slot).for_each(&mut visit);
+            } else {
+                self.near.extend([(node.first_index + 1, 0.0), (node.first_index, 0.0)]);
+            }
+        }
+    }
+
     /// Where the ray first meets the surface, from either side, at `0 < t < reach`. A direction of length 0 meets
     /// nothing. O(log n) expected.
     pub(crate) fn first_hit(&mut self, origin: DVec3, direction: DVec3, reach: f64) -> Option<RayHit> {

@@ -98,6 +98,39 @@ impl Errors {
             }
         }
     }
+
+    /// The error of a part of `points` that vanishes, and is taken for the point `into`; `nearest` gives the squared
+    /// distance of a position to what is left near it, and the triangle that has it. Curves of the part go with it: they
+    /// are as far from what is left as its surface.
+    pub fn measure_vanishing(
+        &mut self,
+        surface: &Surface,
+        points: &[u32],
+        into: u32,
+        nearest: impl FnMut(Vec3) -> (f32, u32),
+    ) -> Deviation {
+        match self {
+            Self::Travel(travel) => both(travel.measure_vanishing(surface, points, into)),
+            Self::Witnesses(watch) => both(watch.surface.measure_vanishing(surface, points, nearest)),
+        }
+    }
+
+    /// Takes down that a part vanishes, just before it does and after it was measured: its error.
+    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> Deviation {
+        match self {
+            Self::Travel(travel) => both(travel.vanish(surface, points, into)),
+            Self::Witnesses(watch) => both(watch.surface.vanish(surface, points)),
+        }
+    }
+
+    /// The triangles that what was measured last would hang on.
+    pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
+        let handed = match self {
+            Self::Travel(_) => &[][..],
+            Self::Witnesses(watch) => watch.surface.handed(),
+        };
+        handed.iter().map(|&(_, _, triangle)| triangle)
+    }
 }
 
 impl Watch {

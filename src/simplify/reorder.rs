@@ -9,9 +9,13 @@ use crate::mesh::NONE;
 use super::options::Limits;
 use super::sequence::CollapseSequence;
 
-/// Sorts the steps of every batch by rank, stably; and `parts`, which has an entry per step or none.
-/// O(steps + vertices + triangles).
-pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32], parts: &mut Vec<[f32; 2]>) {
+/// Sorts the steps of every batch by rank, stably, and `parts`, which has an entry per step or none; the steps' former
+/// numbers in the new order. O(steps + vertices + triangles).
+pub(super) fn sort_by_rank(
+    sequence: &mut CollapseSequence,
+    ranks: &[u32],
+    parts: &mut Vec<[f32; 2]>,
+) -> Vec<u32> {
     let steps = sequence.step_error.len();
     let mut order: Vec<u32> = (0..steps as u32).collect();
     let mut start = 0;
@@ -70,6 +74,7 @@ pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32], parts
         left -= gone;
         *after = left;
     }
+    order
 }
 
 /// Cuts a sequence after the first step at which the targets are reached. `vertices` is how many a triangle uses at

@@ -82,6 +82,12 @@ pub enum SequenceError {
         /// Index among the new vertices.
         new: usize,
     },
+    /// A vertex is snapped twice, out of order, or to one that is snapped itself.
+    #[error("vertex {vertex} is snapped twice, out of order, or to a vertex that is snapped itself")]
+    Snap {
+        /// The vertex.
+        vertex: u32,
+    },
     /// A triangle vanishes with a step that does not exist.
     #[error("triangle {triangle} vanishes with step {end} of fewer")]
     TriangleEnd {
@@ -100,6 +106,9 @@ pub enum SequenceError {
         /// Triangles that vanish later or never.
         expected: usize,
     },
+    /// Normals are to be recomputed with a crease angle that is none.
+    #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
+    BadCreases,
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
     TooMany {
@@ -148,6 +157,7 @@ impl CollapseSequence {
             new_vertices: new_vertices.to_vec(),
             solved: Vec::new(),
             aliases: (0..inputs as u32).map(|v| [v, wedge_of[v as usize]]).filter(|[v, w]| v != w).collect(),
+            snaps: Vec::new(),
             substitutions: Vec::new(),
             step_start: vec![0],
             step_error: Vec::new(),

@@ -31,6 +31,9 @@ impl CollapseSequence {
         expect("reported steps", self.report.steps, steps)?;
         expect("reported triangles", self.report.triangles, self.triangles_after(steps))?;
         expect_most("reported vertices", self.report.vertices, self.vertex_count())?;
+        if !self.report.normals.is_valid() {
+            return Err(SequenceError::BadCreases);
+        }
         let reported = [
             (self.report.error, self.error_after(steps)),
             (self.report.surface_error, self.surface_error_after(steps)),
@@ -81,12 +84,30 @@ impl CollapseSequence {
             }
         }
         check_new_vertices(self.input_vertices as usize, &self.new_vertices)?;
+        self.check_snaps()?;
         let mut earlier = 0;
         for (batch, &end) in self.batch_end.iter().enumerate() {
             if end < earlier || end as usize > steps {
                 return Err(SequenceError::BatchOrder { batch });
             }
             earlier = end;
+        }
+        Ok(())
+    }
+
+    /// Whether snapped vertices are the input's, ascending, and those that they go to stay where they are.
+    fn check_snaps(&self) -> Result<(), SequenceError> {
+        let vertices = self.input_vertices as usize;
+        let mut before = None;
+        for &[vertex, to] in &self.snaps {
+            if let Some(&vertex) = [vertex, to].iter().find(|&&v| v as usize >= vertices) {
+                return Err(SequenceError::VertexOutOfRange { step: 0, vertex, vertices });
+            }
+            let moves = self.snaps.binary_search_by_key(&to, |snap| snap[0]).is_ok();
+            if moves || before.is_some_and(|before| before >= vertex) {
+                return Err(SequenceError::Snap { vertex });
+            }
+            before = Some(vertex);
         }
         Ok(())
     }
@@ -189,6 +210,7 @@ pub(super) struct Parts {
     new_vertices: Vec<NewVertex>,
     solved: Vec<String>,
     aliases: Vec<[u32; 2]>,
+    snaps: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
@@ -211,6 +233,7 @@ impl TryFrom<Parts> for CollapseSequence {
             new_vertices: parts.new_vertices,
             solved: parts.solved,
             aliases: parts.aliases,
+            snaps: parts.snaps,
             substitutions: parts.substitutions,
             step_start: parts.step_start,
             step_error: parts.step_error,

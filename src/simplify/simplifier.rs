@@ -2,12 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Tolerances, names};
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
-use super::options::{AttributeWeights, ErrorMeasure, Limits, OptionError, Order, Progress, Target};
+use super::normals::{Normals, NormalsDone};
+use super::options::{
+    AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Parts, Progress, Target,
+};
 use super::oracle::{Oracle, default_oracles};
+use super::permissive::Permissive;
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
@@ -55,9 +59,14 @@ pub(super) struct Settings {
     pub placement: Placement,
     pub order: Order,
     pub measure: ErrorMeasure,
+    pub permissive: Permissive,
     /// Object units.
     pub join_distance: f32,
+    pub tolerances: Tolerances,
+    pub guard: Guard,
+    pub parts: Parts,
     pub attributes: AttributeWeights,
+    pub normals: Normals,
 }
 
 impl Settings {
@@ -66,7 +75,24 @@ impl Settings {
             let value = f64::from(self.join_distance);
             return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
         }
+        if let Some((option, value, expected)) = self.tolerances.out_of_range() {
+            return Err(OptionError::OutOfRange { option, value: f64::from(value), expected });
+        }
         Ok(())
+    }
+
+    /// What is to be done with the normals of a mesh: where they are to steer collapses they are not recomputed unless
+    /// asked for.
+    fn normals(&self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
+        match &self.attributes {
+            AttributeWeights::Chosen(list)
+                if self.normals == Normals::Automatic
+                    && list.iter().any(|(name, _)| name == names::NORMAL) =>
+            {
+                Ok(NormalsDone::Kept)
+            }
+            _ => self.normals.resolve(mesh),
+        }
     }
 }
 
@@ -117,6 +143,14 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// Whether seams, creases and material borders may give, and when. Default: [`Permissive::Auto`], before a size is
+    /// missed.
+    #[must_use]
+    pub fn permissive(mut self, permissive: Permissive) -> Self {
+        self.settings.permissive = permissive;
+        self
+    }
+
     /// One more rule, asked after those already there.
     #[must_use]
     pub fn oracle(mut self, oracle: impl Oracle + 'static) -> Self {
@@ -142,11 +176,45 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// Lets points that no edge joins be merged when they are at most this far apart (object units), so that separate
-    /// parts may grow together (TOM 4.1). Default 0: never.
+    /// Lets separate parts grow together when they are at most this far apart (object units). Default 0: never.
+    ///
+    /// With [`Parts::Vanish`] a corner of the nearest kin moves to the far end of a part that vanishes, where that is within
+    /// this distance, so that less of what was covered is lost. With [`Parts::Keep`] points of different parts may be merged
+    /// (vertex pairs, TOM 4.1): every point looks at the eight nearest of other parts, again when it was merged itself; about
+    /// parts that were joined, rules that keep the topology are not asked ([`Oracle::keeps_topology`]).
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
+        self
+    }
+
+    /// Up to which differences vertices at one point are one wedge, so that noise makes no seams. Default: one step of
+    /// 16-bit storage ([`Tolerances::default`]). Nearly equal vertices are folded into one before the first step
+    /// ([`CollapseSequence::aliases`]).
+    #[must_use]
+    pub fn tolerances(mut self, tolerances: Tolerances) -> Self {
+        self.settings.tolerances = tolerances;
+        self
+    }
+
+    /// Whether collapses are refused that would ruin the shape. Default: [`Guard::On`].
+    #[must_use]
+    pub fn guard(mut self, guard: Guard) -> Self {
+        self.settings.guard = guard;
+        self
+    }
+
+    /// What becomes of normals. Default: [`Normals::Automatic`].
+    #[must_use]
+    pub fn normals(mut self, normals: Normals) -> Self {
+        self.settings.normals = normals;
+        self
+    }
+
+    /// Whether separate parts vanish as a whole when that is the cheapest step. Default: [`Parts::Vanish`].
+    #[must_use]
+    pub fn parts(mut self, parts: Parts) -> Self {
+        self.settings.parts = parts;
         self
     }
 
@@ -179,11 +247,18 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
-        let plan = Plan { oracles: &self.oracles, limits, settings: &self.settings };
-        let Some(attributes) = self.settings.attributes.of(mesh)? else {
-            return Ok(Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress));
+        let normals = self.settings.normals(mesh)?;
+        let plan = Plan { oracles: &mut self.oracles, limits, settings: &self.settings };
+        let bare = normals.bare(mesh);
+        let mesh = bare.as_ref().unwrap_or(mesh);
+        let mut sequence = match self.settings.attributes.of(mesh)? {
+            None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
+            Some(attributes) => {
+                let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
+                Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+            }
         };
-        let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
-        Ok(Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress))
+        sequence.report.normals = normals;
+        Ok(sequence)
     }
 }

@@ -32,4 +32,17 @@ impl Travel {
         self.reach[pair.kept as usize] = reach;
         reach
     }
+
+    /// The reach of `into` where points vanish that are taken for it.
+    pub fn measure_vanishing(&self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+        let pairs = points.iter().map(|&lost| Pair { lost, kept: into });
+        pairs.map(|pair| self.measure(surface, pair, surface.at(into))).fold(0.0, f32::max)
+    }
+
+    /// Takes that down.
+    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+        let reach = self.measure_vanishing(surface, points, into);
+        self.reach[into as usize] = reach;
+        reach
+    }
 }

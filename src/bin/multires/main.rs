@@ -9,7 +9,7 @@
 //! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | one command each: its arguments, what it does, its answer |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
-//! | `rules.rs` | how to simplify: what `simplify` and `build` have in common |
+//! | `rules.rs` | how to simplify: what `simplify` and `build` have in common; `advice.rs`: what would get further |
 //! | `model.rs` | what is looked at: what `adapt` and `fly` know of structures that follow the view |
 //! | `camera.rs` | how to look: what `adapt` and `fly` have in common |
 //! | `path.rs` | camera paths as text |
@@ -18,6 +18,7 @@
 //! | `progress.rs` | a bar on stderr, where that is a terminal |
 
 mod adapt;
+mod advice;
 mod build;
 mod camera;
 mod extract;

@@ -19,7 +19,8 @@ use crate::progress::Bar;
 /// Measure how far two meshes differ; A is the reference.
 ///
 /// Distances between the surfaces both ways (largest, mean and root mean square, in object units and in percent of the
-/// diagonal of A's box), enclosed volumes, areas, and how far triangles are from equilateral. With --images also how
+/// diagonal of A's box), enclosed volumes, areas, pairs of triangles that cross (without those that share a corner), and how
+/// far triangles are from equilateral. With --images also how
 /// different they look from all sides: K_L1 and K_L2 in grey levels of 0 to 255 over the pixels that show either mesh,
 /// and K_sil, the pixels of 512 x 512 a view that show one mesh and not the other.
 #[derive(Args)]
@@ -58,7 +59,8 @@ impl Run for Measure {
             files::check_output(path, "png")?;
         }
         let bar = Bar::new("reading");
-        let (read_a, read_b) = (read(&self.a)?, read(&self.b)?);
+        let (mut read_a, mut read_b) = (read(&self.a)?, read(&self.b)?);
+        common_origin(&mut read_a.mesh, &mut read_b.mesh).map_err(Failure::input)?;
         let (a, b) = (&read_a.mesh, &read_b.mesh);
 
         let start = Instant::now();
@@ -70,6 +72,7 @@ impl Run for Measure {
         let volumes = [a, b].map(Volume::of);
         let shapes = [a, b].map(ShapeReport::new);
         let areas = [a, b].map(quality::area);
+        let crossings = [a, b].map(quality::self_intersections);
         let mut images = None;
         if self.images {
             bar.begin("images", 0.5);
@@ -117,6 +120,7 @@ impl Run for Measure {
                 "b_reason": volumes[1].reason,
             },
             "area": { "a": areas[0], "b": areas[1], "ratio": ratio(areas) },
+            "self_intersections": { "a": crossings[0], "b": crossings[1] },
             "shape": { "a": shapes[0], "b": shapes[1] },
             "images": images,
             "colours": painted.as_ref().map(|p| json!({
@@ -146,6 +150,7 @@ impl Run for Measure {
             }
         }
         pair(&mut table, "area", areas.map(number), ratio(areas));
+        pair(&mut table, "crossing triangles", crossings.map(|count| count.to_string()), None);
         for (label, of) in SHAPE {
             let values = [0, 1].map(|i| of(&shapes[i]));
             pair(&mut table, label, values.map(number), None);
@@ -179,6 +184,17 @@ impl Measure {
             other => Failure::input(other),
         }
     }
+}
+
+/// Puts both meshes relative to one origin: that of the first, unless it has none.
+fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), multires::MeshError> {
+    let origin = if a.origin() == [0.0; 3] { b.origin() } else { a.origin() };
+    for mesh in [a, b] {
+        if mesh.origin() != origin {
+            *mesh = mesh.moved_to(origin)?;
+        }
+    }
+    Ok(())
 }
 
 /// Reads a mesh; says what to do where a baked file is given.

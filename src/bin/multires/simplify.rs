@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use multires::mesh::{Mesh, names};
-use multires::simplify::{AttributeDeviation, StopReason, Target};
+use multires::simplify::{AttributeDeviation, Growth, StopReason, Target};
 use serde_json::{Value, json};
 
+use crate::advice::Advice;
 use crate::extract::round_down;
 use crate::files;
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
@@ -16,8 +17,9 @@ use crate::rules::{self, Rules, not_negative, share};
 
 /// Simplify a mesh until a target is reached; with several targets, the first one.
 ///
-/// Topology, borders, seams and materials are kept. Where that leaves no legal collapse before the target is reached,
-/// the mesh is written as it is then, and a warning says which rules stood in the way.
+/// Topology and borders are kept, and seams and materials as far as a size asked for allows: see --permissive. Where no
+/// legal collapse is left before the target is reached, the mesh is written as it is then, and a warning says which
+/// rules stood in the way.
 #[derive(Args)]
 pub struct Simplify {
     /// The mesh file to read.
@@ -28,6 +30,9 @@ pub struct Simplify {
     output: PathBuf,
     #[command(flatten)]
     targets: Targets,
+    /// Leave parts as large as they are where others like them vanished, instead of letting them grow to cover as much.
+    #[arg(long)]
+    no_growth: bool,
     #[command(flatten)]
     rules: Rules,
     /// What values the attributes of the written mesh have: fitted to the whole surface of the input, or those that its
@@ -97,12 +102,13 @@ impl Run for Simplify {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.rules.dropped(imported.mesh)?;
+        let mesh = self.rules.prepared(imported.mesh)?;
 
         let start = Instant::now();
         let place = self.rules.place();
-        let mut simplifier = self.rules.simplifier(place)?;
-        for target in self.targets.list(&mesh) {
+        let mut simplifier = self.rules.simplifier(place, self.rules.normals.unwrap_or_default())?;
+        let targets = self.targets.list(&mesh);
+        for &target in &targets {
             simplifier = simplifier.target(target);
         }
         let bar = Bar::new("simplifying");
@@ -113,33 +119,56 @@ impl Run for Simplify {
             Values::Fitted => sequence.extract_fitted(&mesh, steps),
             Values::Kept => sequence.extract(&mesh, steps),
         };
+        let deviations = sequence.attribute_deviations(&mesh, steps, &level);
+        let farthest = targets.iter().fold(f32::MAX, |least, target| match *target {
+            Target::Error(error) => least.min(error),
+            _ => least,
+        });
+        let (level, growth) = match self.no_growth {
+            false => sequence.grow(&mesh, steps, level, farthest),
+            true => (level, Growth::default()),
+        };
         let seconds = start.elapsed().as_secs_f64();
         files::write_mesh(&self.output, &level)?;
 
-        let deviations = sequence.attribute_deviations(&mesh, steps, &level);
         let report = sequence.report();
         let diagonal = mesh.diagonal();
-        let error_percent = percent(f64::from(report.error), diagonal);
+        // What has grown lies off the surface by as much.
+        let error = report.error.max(growth.distance);
+        let error_percent = percent(f64::from(error), diagonal);
         let share = percent(level.triangles().len() as f64, mesh.triangles().len() as f64);
         let mut warnings = imported.notes.clone();
-        if report.stop == StopReason::NothingLegal {
+        let mut advice = Vec::new();
+        if matches!(report.stop, StopReason::NothingLegal | StopReason::Guard) {
             let left = level.triangles().len();
-            warnings.push(format!("stopped at {left} triangles: {}", self.rules.obstacles(report)));
+            let asked = targets.iter().map(|target| match *target {
+                Target::Ratio(ratio) => Target::Triangles((ratio * mesh.triangles().len() as f64) as usize),
+                other => other,
+            });
+            let asked: Vec<Target> = asked.collect();
+            advice = Advice::find(&self.rules, place, report, &level, &asked)?;
+            let (obstacles, tried) = (Rules::obstacles(report), Advice::text(&advice));
+            warnings.push(format!("stopped at {left} triangles: {obstacles}{tried}"));
         }
         let mut json = json!({
             "command": "simplify",
             "input": input,
             "output": files::describe(&self.output, &level),
             "ratio": share.map(|p| p / 100.0),
-            "error": report.error,
+            "error": error,
             "error_percent": error_percent,
-            "surface_error": report.surface_error,
-            "curve_error": report.curve_error,
             "attribute_values": self.attribute_values.name(),
             "attribute_deviations": deviations.iter().map(deviation).collect::<Vec<_>>(),
+            "surface_error": report.surface_error,
+            "curve_error": report.curve_error,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
+            "normals": rules::normals_done(report).0,
             "refusals": rules::refusals(report),
+            "given_up": rules::given_up(report),
+            "advice": Advice::json(&advice),
+            "parts_removed": report.parts_removed,
+            "parts_grown": growth.parts,
             "seconds": seconds,
             "warnings": warnings,
         });
@@ -149,10 +178,7 @@ impl Run for Simplify {
         table.row("input", input_text);
         table.row("output", files::describe_text(&self.output, &level));
         table.row("kept", format!("{:.2} % of the triangles", share.unwrap_or(100.0)));
-        table.row("error", error_text(f64::from(report.error), error_percent));
-        let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
-        table.row("of the surface", error_text(surface, percent(surface, diagonal)));
-        table.row("of its curves", error_text(curves, percent(curves, diagonal)));
+        table.row("error", error_text(f64::from(error), error_percent));
         for d in &deviations {
             let unit = unit(&d.name);
             table.row(
@@ -160,7 +186,20 @@ impl Run for Simplify {
                 format!("{:.3} {unit} (mean), {:.3} (most)", d.mean, d.max),
             );
         }
+        let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
+        table.row("of the surface", error_text(surface, percent(surface, diagonal)));
+        table.row("of its curves", error_text(curves, percent(curves, diagonal)));
+        if level.attribute(names::NORMAL).is_some() {
+            table.row("normals", rules::normals_done(report).1);
+        }
+        if report.parts_removed > 0 {
+            let (removed, grown) = (report.parts_removed, growth.parts);
+            table.row("parts", format!("{removed} vanished, {grown} grown in their place"));
+        }
         table.row("stopped by", rules::stop_name(report.stop));
+        if let Some(given_up) = rules::given_up_text(report) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings })

@@ -5,8 +5,10 @@
 //! | `solids.rs` | spheres and boxes |
 //! | `tubes.rs` | tori, torus knots, open cylinders, Moebius strips |
 //! | `nature.rs` | fractal terrain and rocks |
+//! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
 //! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
+//! | `game.rs` | what games are made of: atlases, materials, mirrored halves, cards, facets, skins, paint |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
@@ -21,6 +23,8 @@
 mod awkward;
 mod cad;
 mod demo;
+mod game;
+mod islands;
 mod nature;
 mod noise;
 mod part;
@@ -33,6 +37,8 @@ pub use cad::{
     ring_with_ramps, stepped_shaft, two_material_plate, washer,
 };
 pub use demo::demo;
+pub use game::{flat_rock, painted_disc, prop, robot, skinned_tube, tree};
+pub use islands::{forest, gravel, shell};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};
 pub use tubes::{moebius, open_cylinder, torus, torus_knot};

@@ -18,7 +18,7 @@ const RIM: f64 = 64.0;
 pub struct EdgeLength;
 
 /// Length of an edge over the distance that the surface between its ends is taken to be off by.
-const LENGTHS: f64 = 32.0;
+const LENGTHS: f64 = 16.0;
 
 impl EdgeLength {
     /// The metric.
@@ -48,7 +48,7 @@ impl ErrorMetric for EdgeLength {
     }
 
     /// The square of the length of an edge on which a surface that bends is off by as much: on a sphere, the middle of
-    /// an edge as long as a quarter of the radius lies a thirty-second of its length off.
+    /// an edge half as long as the radius lies a sixteenth of its length off.
     fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
         (off.mean() * LENGTHS * LENGTHS) as f32
     }

@@ -1,0 +1,199 @@
+//! Keeps sheets apart: refuses collapses after which the surface would cross itself where it did not before.
+//!
+//! ```text
+//!     ----------.            two sheets of a thin shell. The outer one is made flatter by a collapse, and would
+//!       ---.     \           come to lie through the inner one.
+//!           \     \
+//! ```
+//!
+//! The surface's triangles are in a tree of boxes that is laid out once: a triangle keeps its place however it changes, and
+//! only the boxes above it are made anew. A collapse costs O(log n) for every triangle that it changes, and a question
+//! O(log n) expected and what lies around it.
+
+use glam::Vec3;
+
+use crate::mesh::{NONE, crossing::triangles_cross};
+
+use super::oracle::{Collapse, Oracle};
+use super::patch::Facet;
+use super::surface::Surface;
+
+/// Triangles in a leaf, at most.
+const LEAF: usize = 4;
+
+/// Refuses collapses whose new triangles would cross others of the surface that they do not cross now. Triangles that share
+/// a point do not count.
+///
+/// Not among the default rules: a simplification takes several times as long. A surface that does not cross itself then never
+/// comes to, but for neighbours that fold over, which is for [`NormalFlip`](super::oracle::NormalFlip) to say.
+#[derive(Debug, Clone, Default)]
+pub struct SelfIntersection {
+    /// Triangles in the order of the leaves, and where each leaf starts.
+    triangles: Vec<u32>,
+    start: Vec<u32>,
+    leaf_of: Vec<u32>,
+    /// Per node (children of i: 2 i and 2 i + 1) the box of what is left.
+    boxes: Vec<Bounds>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    const NONE: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    fn of(corners: &[Vec3; 3]) -> Self {
+        let [a, b, c] = *corners;
+        Self { low: a.min(b).min(c), high: a.max(b).max(c) }
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// Whether boxes meet; an empty one meets none.
+    fn meets(&self, other: &Self) -> bool {
+        (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
+    }
+}
+
+impl SelfIntersection {
+    /// The rule.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Arranges the triangles of a node by their middles.
+    fn split(&mut self, items: &mut [(Vec3, u32)], first: usize, node: usize) {
+        let leaves = self.start.len() - 1;
+        if node >= leaves {
+            self.start[node - leaves] = first as u32;
+            items.iter().for_each(|&(_, t)| self.leaf_of[t as usize] = (node - leaves) as u32);
+            return;
+        }
+        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let [low, high] = items.iter().fold(start, |[low, high], &(p, _)| [low.min(p), high.max(p)]);
+        let sides = high - low;
+        let axis = if sides.x >= sides.y.max(sides.z) { 0 } else { 1 + usize::from(sides.z > sides.y) };
+        let half = items.len() / 2;
+        if half > 0 {
+            items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+        }
+        let (a, b) = items.split_at_mut(half);
+        self.split(a, first, 2 * node);
+        self.split(b, first + half, 2 * node + 1);
+    }
+
+    /// The box of what is left in a leaf.
+    fn leaf_box(&self, surface: &Surface, leaf: usize) -> Bounds {
+        let range = self.start[leaf] as usize..self.start[leaf + 1] as usize;
+        let corners = self.triangles[range].iter().filter_map(|&t| corners(surface, t));
+        corners.fold(Bounds::NONE, |all, corners| all.and(&Bounds::of(&corners)))
+    }
+
+    /// Makes the boxes above a triangle anew.
+    fn refit(&mut self, surface: &Surface, triangle: u32) {
+        let leaf = self.leaf_of[triangle as usize];
+        if leaf == NONE {
+            return;
+        }
+        let mut node = leaf as usize + self.start.len() - 1;
+        self.boxes[node] = self.leaf_box(surface, leaf as usize);
+        while node > 1 {
+            node /= 2;
+            let both = self.boxes[2 * node].and(&self.boxes[2 * node + 1]);
+            let before = std::mem::replace(&mut self.boxes[node], both);
+            if before.low == both.low && before.high == both.high {
+                break;
+            }
+        }
+    }
+
+    /// Whether any triangle whose box meets `bounds` answers yes.
+    fn any(&self, node: usize, bounds: &Bounds, yes: &mut impl FnMut(u32) -> bool) -> bool {
+        if !self.boxes[node].meets(bounds) {
+            return false;
+        }
+        let leaves = self.start.len() - 1;
+        if node >= leaves {
+            let range = self.start[node - leaves] as usize..self.start[node - leaves + 1] as usize;
+            return self.triangles[range].iter().any(|&t| yes(t));
+        }
+        self.any(2 * node, bounds, yes) || self.any(2 * node + 1, bounds, yes)
+    }
+}
+
+fn corners(surface: &Surface, triangle: u32) -> Option<[Vec3; 3]> {
+    surface.triangle(triangle).map(|corners| corners.map(|p| surface.at(p)))
+}
+
+impl Oracle for SelfIntersection {
+    fn name(&self) -> &str {
+        "self-intersection"
+    }
+
+    fn begin(&mut self, surface: &Surface) -> bool {
+        let live = |t: u32| corners(surface, t).map(|[a, b, c]| ((a + b + c) / 3.0, t));
+        let mut items: Vec<(Vec3, u32)> = (0..surface.triangle_count() as u32).filter_map(live).collect();
+        let leaves = items.len().div_ceil(LEAF).next_power_of_two();
+        self.start = vec![0; leaves + 1];
+        self.leaf_of = vec![NONE; surface.triangle_count()];
+        self.split(&mut items, 0, 1);
+        self.start[leaves] = items.len() as u32;
+        self.triangles = items.iter().map(|&(_, t)| t).collect();
+        self.boxes = vec![Bounds::NONE; 2 * leaves];
+        for leaf in 0..leaves {
+            self.boxes[leaves + leaf] = self.leaf_box(surface, leaf);
+        }
+        for node in (1..leaves).rev() {
+            self.boxes[node] = self.boxes[2 * node].and(&self.boxes[2 * node + 1]);
+        }
+        true
+    }
+
+    fn changed(&mut self, surface: &Surface, kept: Option<u32>, dead: &[u32]) {
+        for &triangle in dead {
+            self.refit(surface, triangle);
+        }
+        for triangle in kept.into_iter().flat_map(|kept| surface.star_triangles(kept)) {
+            self.refit(surface, triangle);
+        }
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        let facets = collapse.patch.facets();
+        if self.boxes.is_empty() || facets.is_empty() {
+            return true;
+        }
+        let ends = [collapse.pair.lost, collapse.pair.kept];
+        let x = Vec3::from(collapse.position);
+        let after = |facet: &Facet| [x, surface.at(facet.others[0]), surface.at(facet.others[1])];
+        let all = facets.iter().fold(Bounds::NONE, |all, facet| all.and(&Bounds::of(&after(facet))));
+        // What lies around is looked for once; then it is one box against another.
+        !self.any(1, &all, &mut |other| {
+            let Some(points) = surface.triangle(other) else { return false };
+            if points.iter().any(|p| ends.contains(p)) {
+                return false;
+            }
+            let corners = points.map(|p| surface.at(p));
+            let bounds = Bounds::of(&corners);
+            if !bounds.meets(&all) {
+                return false;
+            }
+            facets.iter().any(|facet| {
+                let after = after(facet);
+                bounds.meets(&Bounds::of(&after))
+                    && !points.iter().any(|p| facet.others.contains(p))
+                    && crosses(after, &corners)
+                    && !crosses([x + facet.back, after[1], after[2]], &corners)
+            })
+        })
+    }
+}
+
+fn crosses(a: [Vec3; 3], b: &[Vec3; 3]) -> bool {
+    triangles_cross(&a.map(Vec3::as_dvec3), &b.map(Vec3::as_dvec3))
+}

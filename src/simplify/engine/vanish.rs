@@ -1,0 +1,391 @@
+//! How a part of the surface goes as a whole, in one step.
+//!
+//! ```text
+//!     when one is due       its loss by size?    dearer: put back
+//!                           by distance?         dearer: put back
+//!                           a rule, the error?   refused: it stays for good
+//!     in one step           all its vertices are taken for one of its nearest kin: all its triangles are degenerate
+//!                           its witnesses go to the nearest triangles that are left
+//!     joining               in a second step a corner of the heir moves to the part's far end
+//! ```
+//!
+//! Collapses that would leave of a remnant a rag are not done (`Engine::makes_rag`): half a leaf is worth less than
+//! none, since a leaf that is left can grow.
+
+use glam::Vec3;
+
+use crate::mesh::NONE;
+
+use super::super::candidates::Candidate;
+use super::super::classify::kind;
+use super::super::metric::{ErrorMetric, Pair};
+use super::super::options::Order;
+use super::super::oracle::Collapse;
+use super::super::parts::Parts;
+use super::super::surface::Surface;
+use super::{Engine, state};
+
+/// A part of at most so many triangles is a remnant.
+const REMNANT: u32 = 10;
+/// The share of its area below which a part is a rag.
+const KEPT_AREA: f32 = 0.6;
+/// Parts of more triangles wait as if they had so many.
+const LARGE: u32 = 64;
+/// Points of other parts among which kin is looked for.
+const KIN: usize = 16;
+/// Points of other parts around which the nearest triangle is looked for.
+const AROUND: usize = 6;
+/// Costs per integral of squared distance where no point is kept: a triangle counts at each of its corners with twice
+/// its area.
+const SUMMED_RATE: f32 = 6.0;
+
+/// What the vanishing of parts needs besides the parts.
+#[derive(Default)]
+pub(super) struct Vanishing {
+    /// Whether parts vanish at all.
+    pub is_on: bool,
+    /// Whether everything else is done: then parts go whose loss cannot be compared with the metric's costs.
+    pub is_last: bool,
+    /// How far an heir reaches for the place of a part that vanishes, inner units; 0: not at all.
+    join_distance: f32,
+    /// Collapses refused because they would make rags.
+    pub rags: u64,
+    /// The least rank of further steps.
+    pub floor: u32,
+    /// All points that a part had, and those of them that are still there.
+    all: Vec<u32>,
+    points: Vec<u32>,
+    found: Vec<(f32, u32)>,
+    tried: Vec<u32>,
+    takers: Vec<u32>,
+    corners: Vec<[u32; 3]>,
+}
+
+impl Vanishing {
+    pub fn new(is_on: bool, join_distance: f32) -> Self {
+        Self { is_on, join_distance, ..Self::default() }
+    }
+}
+
+impl<M: ErrorMetric> Engine<'_, M> {
+    /// Lets every part wait that may vanish.
+    pub(super) fn queue_parts(&mut self) {
+        let Some(parts) = self.parts.take().filter(|_| self.vanishing.is_on) else { return };
+        let first = self.state.len() as u32;
+        for part in 0..parts.count() as u32 {
+            if parts.root(part) == part && parts.live(part) > 0 && parts.may_vanish(part) {
+                if let Some(cost) = self.loss_cost(&parts, part, parts.least_loss(part)) {
+                    self.queue.insert(first + part, cost);
+                }
+            }
+        }
+        self.parts = Some(parts);
+    }
+
+    /// What a loss counts as in the queue: per pair of triangles, as collapses take them away; `None` where it does not
+    /// compare with the metric's costs.
+    fn loss_cost(&self, parts: &Parts, part: u32, loss: f32) -> Option<f32> {
+        let point = parts.first_point(part);
+        let rate = match self.metric.cost_per_deviation(&self.surface, Pair { lost: point, kept: point }) {
+            Some(_) if self.is_symmetric() => SUMMED_RATE,
+            Some(rate) => rate,
+            None if self.vanishing.is_last => 1.0,
+            None => return None,
+        };
+        let pairs = 0.5 * parts.live(part).clamp(1, LARGE) as f32;
+        let cost = rate * loss / pairs;
+        Some(if cost >= 0.0 { cost } else { f32::MAX })
+    }
+
+    /// Lets a part vanish whose turn it is, unless it turns out dearer or must stay. Whether it did.
+    pub(super) fn serve_part(&mut self, part: u32) -> bool {
+        let Some(mut parts) = self.parts.take() else { return false };
+        let mut scratch = std::mem::take(&mut self.vanishing);
+        self.vanishing.is_last = scratch.is_last;
+        let done = self.try_vanish(part, &mut parts, &mut scratch);
+        self.vanishing = scratch;
+        if done && parts.left() == 1 {
+            // The last one is simplified as far as it goes.
+            self.wake_all();
+        }
+        self.parts = Some(parts);
+        done
+    }
+
+    fn try_vanish(&mut self, part: u32, parts: &mut Parts, scratch: &mut Vanishing) -> bool {
+        if parts.root(part) != part || parts.live(part) == 0 || !parts.may_vanish(part) {
+            return false;
+        }
+        // The distance is looked for only where the size alone does not put the part off.
+        let mut loss = parts.least_loss(part);
+        for by_distance in [false, true] {
+            if by_distance {
+                let centre = parts.shape(part).centre;
+                parts.nearest(centre, part, (KIN, f32::MAX), &mut scratch.found);
+                let nearest = scratch.found.first().map_or(0.0, |found| found.0);
+                loss = parts.loss(part, nearest);
+            }
+            let Some(cost) = self.loss_cost(parts, part, loss) else { return false };
+            if !self.queue.is_due(cost) {
+                self.queue.insert(self.state.len() as u32 + part, cost);
+                return false;
+            }
+        }
+        scratch.all.clear();
+        parts.points(part, &mut scratch.all);
+        scratch.points.clear();
+        let there = |&p: &u32| self.state[p as usize] & state::GONE == 0 && self.surface.valence(p) > 0;
+        scratch.points.extend(scratch.all.iter().copied().filter(there));
+        if scratch.points.iter().any(|&p| self.state[p as usize] & state::TOUCHED != 0) {
+            // Of this batch. It waits for the next.
+            return false;
+        }
+        let mut allowed = true;
+        for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
+            if !oracle.allows_vanishing(&self.surface, &scratch.points) {
+                *count += 1;
+                allowed = false;
+                break;
+            }
+        }
+        if !allowed || scratch.found.is_empty() {
+            self.let_stay(part, parts, &scratch.points);
+            return false;
+        }
+        // All of this batch: it waits for the next.
+        let Some(into) = self.heir(part, parts, scratch) else { return false };
+        let Vanishing { points, found, tried, .. } = &mut *scratch;
+        let surface = &self.surface;
+        let error = self.errors.measure_vanishing(surface, points, into, |position| {
+            parts.nearest(position, part, (AROUND, f32::MAX), found);
+            nearest_triangle(surface, parts, found, tried, position)
+        });
+        if self.surface.frame().object_length(error.largest()) > self.limits.error {
+            self.too_far += 1;
+            self.let_stay(part, parts, &scratch.points);
+            return false;
+        }
+        let guard = self.watch.limit(self.surface.live_triangles() - parts.live(part) as usize);
+        if error.surface > guard {
+            self.watch.refuse(guard);
+            self.let_stay(part, parts, &scratch.points);
+            return false;
+        }
+        let reached = self.reach(into, scratch);
+        self.commit_vanishing(part, parts, scratch, [into, reached.unwrap_or(NONE)], loss);
+        if let Some(point) = reached {
+            let pair = Pair { lost: into, kept: point };
+            self.commit(Candidate { pair, x: self.surface.at(point), object: None });
+            parts.absorb(into, point);
+        }
+        true
+    }
+
+    /// The point of a part about to vanish that its heir's point `into` moves to, so that the heir covers what the part
+    /// did: the farthest within the distance asked for, where every rule allows it, the heir gains by it, and the error
+    /// stays within what is asked for. Its patch is then in `self.patch`.
+    fn reach(&mut self, into: u32, scratch: &Vanishing) -> Option<u32> {
+        // Two steps on one point would not be independent.
+        if scratch.join_distance <= 0.0 || self.order == Order::Batched {
+            return None;
+        }
+        let from = self.surface.at(into);
+        let near = scratch.points.iter().map(|&point| (from.distance(self.surface.at(point)), point));
+        let near = near.filter(|&(distance, _)| distance <= scratch.join_distance && distance > 0.0);
+        let (_, point) = near.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+        let (pair, x) = (Pair { lost: into, kept: point }, self.surface.at(point));
+        self.patch.gather(&self.surface, pair, x);
+        let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
+        let gains: f32 = self.patch.facets().iter().map(|f| f.after.length() - f.before.length()).sum();
+        if gains <= 0.0 || !self.oracles.iter().all(|oracle| oracle.allows(&self.surface, &collapse)) {
+            return None;
+        }
+        let error = self.errors.measure(&self.surface, &self.patch, pair, x);
+        (self.surface.frame().object_length(error.largest()) <= self.limits.error).then_some(point)
+    }
+
+    /// The point that a part's vertices are taken for: of its nearest kin, or of whatever is nearest.
+    fn heir(&self, part: u32, parts: &mut Parts, scratch: &Vanishing) -> Option<u32> {
+        let mut heir = None;
+        for &(_, point) in &scratch.found {
+            let point = parts.current(point);
+            let state = self.state[point as usize];
+            if state & (state::GONE | state::TOUCHED) != 0 || self.surface.valence(point) == 0 {
+                continue;
+            }
+            if parts.are_kin(part, parts.of(point)) {
+                return Some(point);
+            }
+            heir = heir.or(Some(point));
+        }
+        heir
+    }
+
+    /// A part that was refused stays for good, and may be simplified as far as it goes.
+    fn let_stay(&mut self, part: u32, parts: &mut Parts, points: &[u32]) {
+        parts.keep(part);
+        for &point in points {
+            self.wake(point);
+        }
+    }
+
+    /// Wakes every point that sleeps.
+    fn wake_all(&mut self) {
+        for point in 0..self.state.len() as u32 {
+            self.wake(point);
+        }
+    }
+
+    /// Takes a part away whose error was measured last. Its vertices are taken for the point `heir`, or for the one of its
+    /// own points that stays for the heir to reach for.
+    fn commit_vanishing(
+        &mut self,
+        part: u32,
+        parts: &mut Parts,
+        scratch: &mut Vanishing,
+        [heir, stays]: [u32; 2],
+        loss: f32,
+    ) {
+        let Vanishing { all, points, takers, corners, .. } = scratch;
+        takers.clear();
+        takers.extend(self.errors.takers());
+        let error = self.errors.vanish(&self.surface, points, heir);
+        self.watch.reached(error.surface);
+        if !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL)) {
+            // Nothing gives.
+            self.given.push(0);
+        }
+        let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
+        let goes = |point: &u32| *point != stays;
+        if stays == NONE {
+            let corner = self.surface.star(heir).next();
+            let vertex = corner.map(|c| self.surface.corner_vertices(c.triangle)[c.slot as usize]);
+            let vertex = vertex.unwrap_or(self.surface.point_vertex(heir));
+            self.recorder.vanish(&self.surface, points.iter().copied(), vertex);
+        } else {
+            let vertex = self.recorder.leave_one(&self.surface, stays);
+            self.recorder.vanish(&self.surface, points.iter().copied().filter(|p| goes(p)), vertex);
+        }
+        self.surface.vanish(points, &mut self.dead);
+        self.tell(None);
+        self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
+        // In order: after what changed the part, its heir and the triangles that took its witnesses, and before what
+        // changes those next.
+        self.tiled |= self.queue.is_tiled();
+        let mut rank = (self.first_rank + self.queue.rank()).max(self.vanishing.floor).max(scratch.floor);
+        if self.tiled {
+            corners.clear();
+            let real = takers.iter().filter(|&&t| t != NONE);
+            corners.extend(real.filter_map(|&t| self.surface.triangle(t)));
+            let around = || points.iter().chain(corners.as_flattened()).chain([&heir]);
+            rank = around().map(|&point| self.touched[point as usize]).fold(rank, u32::max);
+            for &point in around() {
+                self.touched[point as usize] = rank;
+            }
+        }
+        self.ranks.push(rank);
+        for &point in points.iter().filter(|p| goes(p)) {
+            self.state[point as usize] = state::GONE;
+            self.queue.remove(point);
+        }
+        if self.order == Order::Batched {
+            self.state[heir as usize] |= state::TOUCHED;
+        }
+        all.retain(goes);
+        parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
+    }
+
+    /// Whether a collapse whose patch is in `self.patch` would leave too little of a part that can vanish instead.
+    pub(super) fn makes_rag(&self, pair: Pair) -> bool {
+        let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
+        if self.limits.error.is_finite() || self.patch.thirds().is_empty() {
+            return false;
+        }
+        let part = parts.of(pair.kept);
+        let live = parts.live(part);
+        if live > REMNANT || !parts.may_vanish(part) || parts.is_joined(part) {
+            return false;
+        }
+        // The part's triangles as they are, found from one to the next.
+        let mut found = [NONE; REMNANT as usize];
+        let mut points = [NONE; 3 * REMNANT as usize];
+        let (mut triangles, mut known, mut next) = (0, 1, 0);
+        points[0] = pair.kept;
+        let mut area = 0.0;
+        while next < known {
+            for corner in self.surface.star(points[next]) {
+                if triangles == found.len() || found[..triangles].contains(&corner.triangle) {
+                    continue;
+                }
+                found[triangles] = corner.triangle;
+                triangles += 1;
+                let [p, q, r] = [points[next], corner.others[0], corner.others[1]];
+                let dies = [p, q, r].contains(&pair.lost) && [p, q, r].contains(&pair.kept);
+                if !dies {
+                    area += double_area(&self.surface, [p, q, r]);
+                }
+                for other in corner.others {
+                    if known < points.len() && !points[..known].contains(&other) {
+                        points[known] = other;
+                        known += 1;
+                    }
+                }
+            }
+            next += 1;
+        }
+        for facet in self.patch.facets() {
+            area += facet.after.length() - facet.before.length();
+        }
+        0.5 * area < KEPT_AREA * parts.shape(part).area
+    }
+}
+
+fn double_area(surface: &Surface, corners: [u32; 3]) -> f32 {
+    let [p, q, r] = corners.map(|v| surface.at(v));
+    (q - p).cross(r - p).length()
+}
+
+/// The squared distance of a position to the triangles around what the points found have become, and which is nearest;
+/// `tried` is scratch.
+fn nearest_triangle(
+    surface: &Surface,
+    parts: &mut Parts,
+    found: &[(f32, u32)],
+    tried: &mut Vec<u32>,
+    position: Vec3,
+) -> (f32, u32) {
+    let mut best = (f32::INFINITY, NONE);
+    tried.clear();
+    for &(_, point) in found {
+        let point = parts.current(point);
+        if tried.contains(&point) {
+            continue;
+        }
+        tried.push(point);
+        for corner in surface.star(point) {
+            let [a, b] = corner.others.map(|p| surface.at(p));
+            let distance = distance_squared(position, [surface.at(point), a, b]);
+            if (distance, corner.triangle) < best {
+                best = (distance, corner.triangle);
+            }
+        }
+    }
+    if best.0 == f32::INFINITY { (found.first().map_or(0.0, |f| f.0), NONE) } else { best }
+}
+
+/// The squared distance of a point to a triangle: to its plane where it lies over the triangle, else to a side.
+fn distance_squared(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let normal = (b - a).cross(c - a);
+    let sides = [(a, b), (b, c), (c, a)];
+    if normal != Vec3::ZERO && sides.iter().all(|&(u, v)| normal.cross(v - u).dot(p - u) >= 0.0) {
+        let height = normal.dot(p - a);
+        return height * height / normal.length_squared();
+    }
+    let to_side = |&(u, v): &(Vec3, Vec3)| {
+        let (side, to) = (v - u, p - u);
+        let t = to.dot(side) / side.length_squared();
+        let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+        (to - t * side).length_squared()
+    };
+    sides.iter().map(to_side).fold(f32::INFINITY, f32::min)
+}

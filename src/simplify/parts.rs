@@ -1,0 +1,425 @@
+//! The parts of a surface: points joined by triangles, what each part is like, and what has become of it.
+//!
+//! ```text
+//!     part      a leaf, a pebble, a strut ...: its points and triangles, area, size and direction, all of the input
+//!     debt      what vanished parts cost that now count as the part beside them
+//! ```
+//!
+//! A part that simplification has brought down to a remnant goes as a whole (`engine/vanish.rs`). What that costs is
+//! measured as other costs are, by an integral of squared distance over area: the part's area times the square of its
+//! size, or of the distance of its middle from what lies nearest, whichever is larger; and as much again for every part
+//! that vanished beside it before, so that a forest thins out evenly.
+
+use glam::Vec3;
+
+use crate::mesh::NONE;
+
+use super::metric::Pair;
+use super::near::Near;
+use super::surface::Surface;
+
+/// The least cosine between directions, and the largest ratio of areas, of parts that are kin.
+const KIN_COSINE: f32 = 0.5;
+const KIN_AREA: f32 = 4.0;
+/// A part whose area vectors add up to less than this share of its area has no direction.
+const NO_DIRECTION: f32 = 0.2;
+
+/// What a part is like in the input, inner units.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shape {
+    pub area: f32,
+    pub centre: Vec3,
+    /// Mean squared distance of the surface from its centre.
+    pub spread: f32,
+    /// Sum of area vectors.
+    pub direction: Vec3,
+    /// Of its first triangle.
+    pub material: u32,
+}
+
+impl Shape {
+    /// Whether two parts look alike: of one material, and near in size and direction.
+    pub fn is_kin(&self, other: &Self) -> bool {
+        let (small, large) = (self.area.min(other.area), self.area.max(other.area));
+        let flat = |shape: &Self| shape.direction.length() > NO_DIRECTION * shape.area;
+        let along = match (flat(self), flat(other)) {
+            (true, true) => {
+                let dot = self.direction.dot(other.direction).abs();
+                dot >= KIN_COSINE * self.direction.length() * other.direction.length()
+            }
+            (a, b) => a == b,
+        };
+        self.material == other.material && large <= KIN_AREA * small && along
+    }
+
+    /// The shape of two parts together.
+    fn join(&self, other: &Self) -> Self {
+        let area = self.area + other.area;
+        let share = if area > 0.0 { other.area / area } else { 0.5 };
+        let centre = self.centre.lerp(other.centre, share);
+        let spread = |shape: &Self| shape.spread + shape.centre.distance_squared(centre);
+        Self {
+            area,
+            centre,
+            spread: spread(self) * (1.0 - share) + spread(other) * share,
+            direction: self.direction + other.direction,
+            material: self.material,
+        }
+    }
+}
+
+/// The parts of a surface.
+#[derive(Debug, Clone)]
+pub(super) struct Parts {
+    /// Per point the part that it was in at first; `NONE` where no triangle used it.
+    first: Vec<u32>,
+    /// Per input triangle its part; `NONE` where it was dead from the start.
+    of_triangle: Vec<u32>,
+    /// Per part what it was joined into, or itself; and the next part of the chain of those joined, its end and how many
+    /// points it has.
+    joined: Vec<u32>,
+    next: Vec<u32>,
+    last: Vec<u32>,
+    size: Vec<u32>,
+    /// Where each part's points start; one more than parts.
+    start: Vec<u32>,
+    points: Vec<u32>,
+    /// Triangles left.
+    live: Vec<u32>,
+    /// Of what each part stands for; and of each part as it was at first.
+    shapes: Vec<Shape>,
+    looks: Vec<Shape>,
+    /// Area times squared distance of what vanished beside each part.
+    debt: Vec<f32>,
+    /// Whether a part was joined with others.
+    is_joined: Vec<bool>,
+    any_joined: bool,
+    /// Whether a part may not vanish, as far as was tried.
+    stays: Vec<bool>,
+    /// Per point what it was merged into, or itself.
+    into: Vec<u32>,
+    near: Near,
+    left: usize,
+    scratch: Vec<u32>,
+}
+
+impl Parts {
+    /// The parts of a surface; `None` where there are fewer than two. O(n), and O(n log n) where there are more.
+    pub fn new(surface: &Surface) -> Option<Self> {
+        let points = surface.point_count();
+        let (first, count) = components(surface)?;
+        let mut live = vec![0u32; count];
+        let mut shapes = vec![Shape { material: NONE, ..Shape::default() }; count];
+        // Areas and centres first; then how far the surface is spread about them.
+        let triangles = || {
+            (0..surface.triangle_count() as u32).filter_map(|t| {
+                let corners = surface.triangle(t)?;
+                let [p, q, r] = corners.map(|v| surface.at(v));
+                Some((t, first[corners[0] as usize] as usize, [p, q, r], 0.5 * (q - p).cross(r - p)))
+            })
+        };
+        for (t, part, [p, q, r], vector) in triangles() {
+            let shape = &mut shapes[part];
+            live[part] += 1 + surface.followers(t).len() as u32;
+            shape.area += vector.length();
+            shape.direction += vector;
+            shape.centre += vector.length() * (p + q + r) / 3.0;
+            if shape.material == NONE {
+                shape.material = surface.material(t);
+            }
+        }
+        for shape in &mut shapes {
+            shape.centre /= shape.area;
+        }
+        let mut start = vec![0u32; count + 1];
+        for &part in first.iter().filter(|&&part| part != NONE) {
+            start[part as usize + 1] += 1;
+        }
+        for part in 0..count {
+            start[part + 1] += start[part];
+        }
+        let mut list = vec![0; start[count] as usize];
+        let mut fill = start.clone();
+        for (point, &part) in first.iter().enumerate().filter(|&(_, &part)| part != NONE) {
+            list[fill[part as usize] as usize] = point as u32;
+            fill[part as usize] += 1;
+        }
+        for part in 0..count {
+            // Without an area: the middle of its points.
+            let points = &list[start[part] as usize..start[part + 1] as usize];
+            let shape = &mut shapes[part];
+            if !shape.centre.is_finite() {
+                let sum: Vec3 = points.iter().map(|&p| surface.at(p)).sum();
+                shape.centre = sum / points.len().max(1) as f32;
+            }
+        }
+        for (_, part, corners, vector) in triangles() {
+            let shape = &mut shapes[part];
+            let squares: f32 = corners.iter().map(|p| p.distance_squared(shape.centre)).sum();
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            // The mean over a triangle of the squared distance, by its corners and its middle.
+            let mean = (squares + 9.0 * middle.distance_squared(shape.centre)) / 12.0;
+            shape.spread += if shape.area > 0.0 { mean * vector.length() / shape.area } else { 0.0 };
+        }
+        let of_triangle = (0..surface.triangle_count() as u32)
+            .map(|t| surface.triangle(t).map_or(NONE, |corners| first[corners[0] as usize]))
+            .collect();
+        let near =
+            Near::new(list.iter().map(|&p| (surface.at(p), p)).collect(), points, |p| first[p as usize]);
+        Some(Self {
+            of_triangle,
+            joined: (0..count as u32).collect(),
+            size: (0..count).map(|part| start[part + 1] - start[part]).collect(),
+            next: vec![NONE; count],
+            last: (0..count as u32).collect(),
+            start,
+            points: list,
+            live,
+            looks: shapes.clone(),
+            shapes,
+            debt: vec![0.0; count],
+            is_joined: vec![false; count],
+            any_joined: false,
+            stays: vec![false; count],
+            into: (0..points as u32).collect(),
+            near,
+            left: count,
+            scratch: Vec::new(),
+            first,
+        })
+    }
+
+    /// Number of parts at first.
+    pub fn count(&self) -> usize {
+        self.joined.len()
+    }
+
+    /// Parts that have triangles left, joined ones counted once.
+    pub fn left(&self) -> usize {
+        self.left
+    }
+
+    /// What a part was joined into.
+    pub fn root(&self, part: u32) -> u32 {
+        root(&self.joined, part)
+    }
+
+    /// The part of a point that a triangle used at first.
+    pub fn of(&self, point: u32) -> u32 {
+        self.root(self.first[point as usize])
+    }
+
+    /// Triangles left of a part.
+    pub fn live(&self, part: u32) -> u32 {
+        self.live[part as usize]
+    }
+
+    /// One of the points that a part had at first.
+    pub fn first_point(&self, part: u32) -> u32 {
+        self.points[self.start[part as usize] as usize]
+    }
+
+    /// What a part is like.
+    pub fn shape(&self, part: u32) -> &Shape {
+        &self.shapes[part as usize]
+    }
+
+    /// Whether two parts were alike at first.
+    pub fn are_kin(&self, a: u32, b: u32) -> bool {
+        self.looks[a as usize].is_kin(&self.looks[b as usize])
+    }
+
+    /// Whether a part was joined with others.
+    pub fn is_joined(&self, part: u32) -> bool {
+        self.is_joined[part as usize]
+    }
+
+    /// Whether either point of a pair is of a part that was joined with others.
+    pub fn has_joined(&self, pair: Pair) -> bool {
+        let joined = |point: u32| self.first[point as usize] != NONE && self.is_joined(self.of(point));
+        self.any_joined && (joined(pair.lost) || joined(pair.kept))
+    }
+
+    /// Whether a part may vanish: there are others, and nothing was found to forbid it.
+    pub fn may_vanish(&self, part: u32) -> bool {
+        self.left > 1 && !self.stays[part as usize]
+    }
+
+    /// Lets a part stay.
+    pub fn keep(&mut self, part: u32) {
+        self.stays[part as usize] = true;
+    }
+
+    /// The integral of squared distance that a part's going adds, at least: by its size alone.
+    pub fn least_loss(&self, part: u32) -> f32 {
+        let shape = self.shape(part);
+        shape.area * shape.spread + self.debt[part as usize]
+    }
+
+    /// The same where what is left lies so far from its middle.
+    pub fn loss(&self, part: u32, distance_squared: f32) -> f32 {
+        let shape = self.shape(part);
+        shape.area * shape.spread.max(distance_squared) + self.debt[part as usize]
+    }
+
+    /// Appends the points that were in a part at first, merged ones too.
+    pub fn points(&self, part: u32, list: &mut Vec<u32>) {
+        let mut at = part;
+        while at != NONE {
+            let range = self.start[at as usize] as usize..self.start[at as usize + 1] as usize;
+            list.extend_from_slice(&self.points[range]);
+            at = self.next[at as usize];
+        }
+    }
+
+    /// What a point was merged into.
+    pub fn current(&mut self, mut point: u32) -> u32 {
+        while self.into[point as usize] != point {
+            let next = self.into[self.into[point as usize] as usize];
+            self.into[point as usize] = next;
+            point = next;
+        }
+        point
+    }
+
+    /// The same, for when nothing may change: as many steps as merges lie between.
+    pub fn now(&self, mut point: u32) -> u32 {
+        while self.into[point as usize] != point {
+            point = self.into[point as usize];
+        }
+        point
+    }
+
+    /// Takes down that `lost` was merged into `kept`, and that so many triangles died. Whether two parts were joined.
+    pub fn merge(&mut self, lost: u32, kept: u32, died: usize) -> bool {
+        self.into[lost as usize] = kept;
+        if self.first[lost as usize] == NONE || self.first[kept as usize] == NONE {
+            return false;
+        }
+        let (a, b) = (self.of(lost), self.of(kept));
+        let to = if a == b { a } else { self.join(a, b) };
+        if a != b {
+            self.is_joined[to as usize] = true;
+            self.any_joined = true;
+        }
+        self.live[to as usize] -= died as u32;
+        if died > 0 && self.live[to as usize] == 0 {
+            self.left -= 1;
+            let mut points = std::mem::take(&mut self.scratch);
+            points.clear();
+            self.points(to, &mut points);
+            points.iter().for_each(|&point| self.near.remove(point));
+            self.scratch = points;
+        }
+        a != b
+    }
+
+    /// Takes down that the point `kept` of a part that vanished takes the place of `lost` in another, which stands for both
+    /// parts from now on.
+    pub fn absorb(&mut self, lost: u32, kept: u32) {
+        self.into[lost as usize] = kept;
+        let (a, b) = (self.of(lost), self.of(kept));
+        if a != b {
+            let looks = self.looks[a as usize];
+            let to = self.join(a, b);
+            self.looks[to as usize] = looks;
+        }
+    }
+
+    /// Joins two parts; the one of more points keeps its number.
+    fn join(&mut self, a: u32, b: u32) -> u32 {
+        let size = |part: u32| self.size[part as usize];
+        let (to, from) = if (size(a), b) >= (size(b), a) { (a, b) } else { (b, a) };
+        self.size[to as usize] += self.size[from as usize];
+        let both = self.live[to as usize] > 0 && self.live[from as usize] > 0;
+        self.left -= usize::from(both);
+        self.live[to as usize] += std::mem::take(&mut self.live[from as usize]);
+        self.shapes[to as usize] = self.shapes[to as usize].join(&self.shapes[from as usize]);
+        self.debt[to as usize] += self.debt[from as usize];
+        self.is_joined[to as usize] |= self.is_joined[from as usize];
+        self.stays[to as usize] |= self.stays[from as usize];
+        self.joined[from as usize] = to;
+        self.next[self.last[to as usize] as usize] = from;
+        self.last[to as usize] = self.last[from as usize];
+        to
+    }
+
+    /// Takes down that a part vanished beside the part of `into`. `points` are all that it had, merged ones too.
+    pub fn vanish(&mut self, part: u32, points: &[u32], into: u32, loss: f32) {
+        for &point in points {
+            self.near.remove(point);
+        }
+        self.live[part as usize] = 0;
+        self.left -= 1;
+        let beside = self.of(into);
+        self.debt[beside as usize] += loss;
+    }
+
+    /// The points (as they were at first) nearest to `at` that are of other parts: see [`Near::nearest`].
+    pub fn nearest(&mut self, at: Vec3, own: u32, most: (usize, f32), found: &mut Vec<(f32, u32)>) {
+        let (first, joined) = (&self.first, &self.joined);
+        let part = |point: u32| root(joined, first[point as usize]);
+        self.near.nearest(at, own, most, part, |part| root(joined, part), found);
+    }
+
+    /// How many parts of the input have no triangle left after `steps` steps; `ends` as in a sequence.
+    pub fn removed(&self, ends: &[u32], steps: usize) -> usize {
+        let mut has = vec![false; self.count()];
+        for (&part, _) in self.of_triangle.iter().zip(ends).filter(|&(_, &end)| end as usize > steps) {
+            if part != NONE {
+                has[part as usize] = true;
+            }
+        }
+        has.iter().filter(|&&has| !has).count()
+    }
+}
+
+fn root(joined: &[u32], mut part: u32) -> u32 {
+    while joined[part as usize] != part {
+        part = joined[part as usize];
+    }
+    part
+}
+
+/// Per point its part, numbered by first point, and how many parts; `None` where fewer than two.
+fn components(surface: &Surface) -> Option<(Vec<u32>, usize)> {
+    let mut parent: Vec<u32> = (0..surface.point_count() as u32).collect();
+    fn find(parent: &mut [u32], mut point: u32) -> u32 {
+        while parent[point as usize] != point {
+            let above = parent[parent[point as usize] as usize];
+            parent[point as usize] = above;
+            point = above;
+        }
+        point
+    }
+    let mut parts = surface.live_points();
+    for triangle in 0..surface.triangle_count() as u32 {
+        let Some([a, b, c]) = surface.triangle(triangle) else { continue };
+        for other in [b, c] {
+            let (x, y) = (find(&mut parent, a), find(&mut parent, other));
+            if x != y {
+                parent[x.max(y) as usize] = x.min(y);
+                parts -= 1;
+            }
+        }
+    }
+    if parts < 2 {
+        return None;
+    }
+    let mut part = vec![NONE; parent.len()];
+    let mut count = 0;
+    for point in 0..parent.len() as u32 {
+        if surface.valence(point) == 0 {
+            continue;
+        }
+        // The lowest point of a part is its root.
+        let root = find(&mut parent, point);
+        if root == point {
+            part[point as usize] = count;
+            count += 1;
+        } else {
+            part[point as usize] = part[root as usize];
+        }
+    }
+    Some((part, count as usize))
+}
