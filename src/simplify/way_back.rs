@@ -18,6 +18,8 @@ use super::surface::Surface;
 
 /// Points with more triangles are not looked around.
 const HUB: u32 = 64;
+/// Most new triangles that are looked at: with more, a hub moves.
+const MOST_FACETS: usize = 64;
 
 /// The triangles of the input, and those around each of its points.
 #[derive(Debug, Clone, Default)]
@@ -57,7 +59,7 @@ impl WayBack {
         mut on: impl FnMut(u32, &mut dyn FnMut(u32)),
     ) -> f32 {
         let mut worst = known;
-        for facet in patch.facets() {
+        for facet in patch.facets().iter().take(MOST_FACETS) {
             let [a, b] = facet.others;
             for (offset, end) in [(0.5 * facet.a, a), (0.5 * facet.b, b), ((facet.a + facet.b) / 3.0, a)] {
                 let mut search =
