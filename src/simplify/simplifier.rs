@@ -36,7 +36,8 @@ use super::sequence::CollapseSequence;
 ///
 /// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
 /// at most a few units in the last place of the coordinates (2^-22 of the size of the mesh, rounded to a power of two)
-/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Other measures: [`ErrorMeasure`].
+/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Points on borders that nothing but rounding
+/// parts ([`Tolerances::position`]) are one place from the start. Other measures: [`ErrorMeasure`].
 ///
 /// Next to curves, and everywhere on meshes of at most 4096 triangles, points on new triangles are held against the
 /// input too; else nothing is claimed between the vertices of the input, nor of the level's surface. By samples, the
