@@ -10,7 +10,7 @@ mod apart;
 use std::path::{Path, PathBuf};
 
 use apart::Input;
-use multires::simplify::{Simplifier, metric::NAMES};
+use multires::simplify::Simplifier;
 use multires::{io, mesh::Mesh};
 
 fn model(file: &str) -> Option<Mesh> {
@@ -25,13 +25,14 @@ fn model(file: &str) -> Option<Mesh> {
 }
 
 /// Game models and small cases of made things.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "game/Fox.glb",
     "game/pigman/scene.gltf",
     "game/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf",
     "real/beetle.obj",
     "real/fandisk.obj",
     "real/suzanne.obj",
+    "real/cow.obj",
     "real/teapot.obj",
     "cases/plate_with_hole/plate32.obj",
     "cases/flat_hole_open/washer.obj",
@@ -42,22 +43,20 @@ const FILES: [&str; 12] = [
 
 #[test]
 fn levels_of_models_lie_as_far_away_as_is_said() {
-    let (mut close, mut all) = (0, 0);
+    let (mut close, mut near, mut all) = (0, 0, 0);
     let mut far = Vec::new();
     for file in FILES {
         let Some(mesh) = model(file) else { continue };
         // Creases are the simplifier's to choose where a mesh is no drawing.
         let input = Input::new(&mesh, -2.0);
-        let sequence = Simplifier::new()
-            .metric(multires::simplify::metric::by_name(NAMES[0]).unwrap())
-            .run(&mesh)
-            .unwrap();
+        let sequence = Simplifier::new().run(&mesh).unwrap();
         for percent in [70, 50, 35, 25, 18, 12, 8, 5] {
             let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
             let apart = input.apart(&sequence, steps);
             let said = f64::from(sequence.error_after(steps));
             let (found, slack) = (apart.largest(), 2e-6 * mesh.diagonal());
             all += 1;
+            near += usize::from(found <= 1.1 * said + slack);
             if found <= 1.1 * said + slack && said <= 1.1 * found + slack {
                 close += 1;
             } else {
@@ -69,6 +68,6 @@ fn levels_of_models_lie_as_far_away_as_is_said() {
         }
     }
     assert!(far.is_empty(), "{far:#?}");
-    eprintln!("{close} of {all} within a tenth");
-    assert!(10 * close >= 7 * all, "{close} of {all} within a tenth");
+    eprintln!("{close} of {all} within a tenth, {near} at most a tenth farther");
+    assert!(10 * near >= 9 * all, "{near} of {all} at most a tenth farther than is said");
 }

@@ -20,6 +20,8 @@ use super::surface::Surface;
 
 /// Edges of the kept point that are looked at where it stays: with more, it is a hub.
 const MOST_KEPT: usize = 16;
+/// Edges that are looked at beyond the far end of another.
+const MOST_BEYOND: usize = 4;
 /// Where along a new edge the way back is measured: shares of its length from the merged point on.
 const ALONG: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
 
@@ -51,13 +53,14 @@ struct CurvePoint {
     next: u32,
 }
 
-/// An edge of the image around the merged point; positions are relative to that.
+/// An edge of the image around the merged point, or one edge further; positions are relative to that point.
 #[derive(Debug, Clone, Copy)]
 struct Spoke {
     edge: u32,
+    from: Vec3,
     to: Vec3,
-    /// The curve point that its far end is, or none.
-    far: u32,
+    /// Its far end.
+    other: u32,
     is_new: bool,
     /// Least squared distance of each point along it from the input's curve.
     back: [f32; ALONG.len()],
@@ -160,8 +163,9 @@ impl CurveWitnesses {
         self.spokes.clear();
         let spoke = |edge: u32, other: u32, is_new: bool| Spoke {
             edge,
+            from: Vec3::ZERO,
             to: surface.at(other) - x,
-            far: self.number[other as usize],
+            other,
             is_new,
             back: [f32::INFINITY; ALONG.len()],
         };
@@ -173,6 +177,19 @@ impl CurveWitnesses {
         let most = if moves { usize::MAX } else { MOST_KEPT };
         let kept = curves.around(pair.kept).filter(|&[_, other]| other != pair.lost).take(most);
         self.spokes.extend(kept.map(|[edge, other]| spoke(edge, other, moves)));
+        // What lies beyond their far ends may be nearer to a point that goes far.
+        let near = self.spokes.len();
+        if near > MOST_KEPT {
+            return;
+        }
+        for i in 0..near {
+            let Spoke { edge: known, other: far, to, .. } = self.spokes[i];
+            for [edge, other] in curves.around(far).take(MOST_BEYOND) {
+                if edge != known && other != pair.lost && other != pair.kept {
+                    self.spokes.push(Spoke { from: to, ..spoke(edge, other, false) });
+                }
+            }
+        }
     }
 
     /// The points that the merge leaves hanging nowhere.
@@ -208,7 +225,7 @@ impl CurveWitnesses {
     fn nearest(&self, p: Vec3) -> (f32, usize) {
         let mut best = (f32::INFINITY, usize::MAX);
         for (i, spoke) in self.spokes.iter().enumerate() {
-            let distance = from_segment(p, Vec3::ZERO, spoke.to);
+            let distance = from_segment(p, spoke.from, spoke.to);
             if distance < best.0 {
                 best = (distance, i);
             }
@@ -240,7 +257,8 @@ impl CurveWitnesses {
             if !spoke.is_new {
                 continue;
             }
-            for point in near.into_iter().chain([spoke.far]).filter(|&point| point != NONE) {
+            let far = self.number[spoke.other as usize];
+            for point in near.into_iter().chain([far]).filter(|&point| point != NONE) {
                 self.look_back(point, i, x);
             }
             // An end that the input's curve passes through lies on it.

@@ -9,8 +9,8 @@
 //!
 //! An edge is a feature by what its triangles say (`classify.rs`). A crease is an edge where two triangles meet at more
 //! than 41.4 degrees (a cosine of 3/4: an eight-sided prism has edges, a ten-sided one is round, and a chamfer of 45
-//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, at least
-//! [`LEAST_CREASES`] connected ones, along which nearly all bending is theirs. Scans are full of edges as sharp, in short
+//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, that go on from one
+//! feature to another or are at least [`LEAST_CREASES`] connected ones, along which most of the bending is theirs. Scans are full of edges as sharp, in short
 //! pieces that are relief or noise: how far those slide over the surface is no error.
 
 use glam::Vec3;
@@ -25,9 +25,13 @@ const CREASE: f32 = 0.75;
 /// Two normals that are both this close to a third are no crease apart: half the angle.
 const HALF_CREASE: f32 = 0.935_414_3;
 /// Fewest creases that hang together, on meshes large enough to have them.
-const LEAST_CREASES: usize = 12;
+const LEAST_CREASES: u64 = 12;
 /// Least share of the bending around a crease's points that is the creases' own: what rims of a ten-sided hole have.
 const LEAST_SHARE: f32 = 10.0 / 11.0;
+/// The same for creases from one feature to another.
+const LEAST_HELD_SHARE: f32 = 0.75;
+/// What an end at a feature counts for; more than there are creases on any mesh.
+const HELD: u64 = 1 << 32;
 
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
@@ -279,7 +283,7 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
         let [u, v] = [u, v].map(|p| root(&mut piece, p));
         piece[u.max(v) as usize] = u.min(v);
     }
-    let mut counts = vec![0usize; surface.point_count()];
+    let mut counts = vec![0u64; surface.point_count()];
     bending.resize(surface.point_count(), (0.0, 0.0));
     let mut points: Vec<u32> = found.as_flattened().to_vec();
     points.sort_unstable();
@@ -288,6 +292,10 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
         counts[root(&mut piece, u) as usize] += 1;
     }
     for &point in &points {
+        // A line that ends at a border or another feature goes on there.
+        if surface.kind(point) & kind::FEATURE != 0 {
+            counts[root(&mut piece, point) as usize] += HELD;
+        }
         let sum = &mut bending[root(&mut piece, point) as usize];
         bends.for_each(point, &mut around, |other, cosine| {
             let bend = 1.0 - cosine.min(1.0);
@@ -298,11 +306,12 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
             }
         });
     }
-    let least = LEAST_CREASES.min(surface.live_points().isqrt());
+    let least = LEAST_CREASES.min(surface.live_points().isqrt() as u64);
     found.retain(|&[u, _]| {
         let root = root(&mut piece, u) as usize;
         let (own, all) = bending[root];
-        counts[root] >= least && own >= LEAST_SHARE * all
+        let held = counts[root] >= 2 * HELD;
+        counts[root] >= least && own >= if held { LEAST_HELD_SHARE } else { LEAST_SHARE } * all
     });
     found
 }

@@ -8,6 +8,7 @@ use super::options::ErrorMeasure;
 use super::patch::Patch;
 use super::surface::Surface;
 use super::travel::Travel;
+use super::way_back::WayBack;
 use super::witness::Witnesses;
 
 /// Deviations up to this are rounding and count as none, inner units: a few units in the last place of the coordinates,
@@ -37,28 +38,36 @@ impl Deviation {
 pub(super) enum Errors {
     /// Bounds surface and curves alike.
     Travel(Travel),
-    Witnesses(Box<Witnesses>, Box<CurveWitnesses>),
+    Witnesses(Box<Watch>),
+}
+
+/// What is watched of surface and curves.
+pub(super) struct Watch {
+    surface: Witnesses,
+    curves: CurveWitnesses,
+    back: WayBack,
 }
 
 impl Errors {
     pub fn new(surface: &Surface, measure: ErrorMeasure) -> Self {
         match measure {
             ErrorMeasure::Travel => Self::Travel(Travel::new(surface)),
-            _ => Self::Witnesses(
-                Box::new(Witnesses::new(surface, measure == ErrorMeasure::Verified)),
-                Box::new(CurveWitnesses::new(surface)),
-            ),
+            _ => Self::Witnesses(Box::new(Watch {
+                surface: Witnesses::new(surface, measure == ErrorMeasure::Verified),
+                curves: CurveWitnesses::new(surface),
+                back: WayBack::new(surface),
+            })),
         }
     }
 
     pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
             Self::Travel(travel) => both(travel.measure(surface, pair, x)),
-            Self::Witnesses(witnesses, curves) => {
-                let apart = witnesses.measure(surface, patch, pair, x);
-                let concerns = curves.concerns(surface, pair, x);
-                let curve = if concerns { curves.measure(surface, pair, x).worst.sqrt() } else { 0.0 };
-                Deviation::new(apart, curve)
+            Self::Witnesses(watch) => {
+                let apart = watch.surface.measure(surface, patch, pair, x);
+                let concerns = watch.curves.concerns(surface, pair, x);
+                let curve = if concerns { watch.curves.measure(surface, pair, x).worst } else { 0.0 };
+                watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()])
             }
         }
     }
@@ -66,11 +75,13 @@ impl Errors {
     pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
             Self::Travel(travel) => both(travel.merge(surface, pair, x)),
-            Self::Witnesses(witnesses, curves) => {
-                let apart = witnesses.hand_over(surface, patch, pair, x);
-                let concerns = curves.concerns(surface, pair, x);
-                let curve = if concerns { curves.hand_over(surface, pair, x).worst.sqrt() } else { 0.0 };
-                Deviation::new(apart, curve)
+            Self::Witnesses(watch) => {
+                let apart = watch.surface.hand_over(surface, patch, pair, x);
+                let concerns = watch.curves.concerns(surface, pair, x);
+                let curve = if concerns { watch.curves.hand_over(surface, pair, x).worst } else { 0.0 };
+                let found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
+                watch.surface.note(found.surface);
+                found
             }
         }
     }
@@ -80,10 +91,10 @@ impl Errors {
     pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
         match self {
             Self::Travel(_) => None,
-            Self::Witnesses(witnesses, curves) => {
-                let concerns = curves.concerns(surface, pair, x);
-                let curve = if concerns { curves.measure(surface, pair, x).added } else { 0.0 };
-                Some(witnesses.added(surface, patch, pair, x) + curve * witnesses.share())
+            Self::Witnesses(watch) => {
+                let concerns = watch.curves.concerns(surface, pair, x);
+                let curve = if concerns { watch.curves.measure(surface, pair, x).added } else { 0.0 };
+                Some(watch.surface.added(surface, patch, pair, x) + curve * watch.surface.share())
             }
         }
     }
@@ -100,7 +111,7 @@ impl Errors {
     ) -> Deviation {
         match self {
             Self::Travel(travel) => both(travel.measure_vanishing(surface, points, into)),
-            Self::Witnesses(witnesses, _) => both(witnesses.measure_vanishing(surface, points, nearest)),
+            Self::Witnesses(watch) => both(watch.surface.measure_vanishing(surface, points, nearest)),
         }
     }
 
@@ -108,7 +119,7 @@ impl Errors {
     pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> Deviation {
         match self {
             Self::Travel(travel) => both(travel.vanish(surface, points, into)),
-            Self::Witnesses(witnesses, _) => both(witnesses.vanish(surface, points)),
+            Self::Witnesses(watch) => both(watch.surface.vanish(surface, points)),
         }
     }
 
@@ -116,9 +127,31 @@ impl Errors {
     pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
         let handed = match self {
             Self::Travel(_) => &[][..],
-            Self::Witnesses(witnesses, _) => witnesses.handed(),
+            Self::Witnesses(watch) => watch.surface.handed(),
         };
         handed.iter().map(|&(_, _, triangle)| triangle)
+    }
+}
+
+impl Watch {
+    /// The distances of surface and curves with that of the level's new triangles from the input, next to curves and on
+    /// small meshes.
+    #[inline]
+    fn with_way_back(
+        &self,
+        surface: &Surface,
+        patch: &Patch,
+        pair: Pair,
+        x: Vec3,
+        [apart, curve]: [f32; 2],
+    ) -> Deviation {
+        if !(surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) || surface.is_small()) {
+            return Deviation::new(apart, curve);
+        }
+        let known = (apart * apart).max(curve * curve).max(self.surface.largest()).max(ROUNDING * ROUNDING);
+        let on = |triangle: u32, visit: &mut dyn FnMut(u32)| self.surface.on_triangle(triangle, visit);
+        let back = self.back.farthest(patch, pair, x, known, on);
+        Deviation::new(if back > known { back.sqrt() } else { apart }, curve)
     }
 }
 

@@ -11,7 +11,7 @@
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `way_back.rs`: how far the level lies from the input next to them; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `grow.rs` | levels whose parts grow for those that vanished |
 //! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
@@ -59,6 +59,7 @@ mod solved;
 mod stars;
 mod surface;
 mod travel;
+mod way_back;
 mod wedge_map;
 mod wedge_values;
 mod witness;

@@ -67,6 +67,9 @@ impl Frame {
     }
 }
 
+/// Most triangles of a mesh that is small: what lies between its points is worth a look, and costs milliseconds.
+const SMALL: usize = 4096;
+
 /// One triangle as seen from a point: the point is its first corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Corner {
@@ -389,6 +392,11 @@ impl Surface {
                 visit(other);
             }
         }
+    }
+
+    /// Whether the input has so few triangles that each may be looked at many times.
+    pub(super) fn is_small(&self) -> bool {
+        self.triangles.len() <= SMALL
     }
 
     /// The curves, as they are now.

@@ -25,6 +25,7 @@ use super::surface::Surface;
 /// Which triangle each merged point lies over.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Witnesses {
+    /// The input's points, then middles of triangles between curves.
     points: Vec<Witness>,
     /// First witness on each triangle.
     head: Vec<u32>,
@@ -138,9 +139,24 @@ impl Witnesses {
     /// No point is a witness yet. To `remember` distances is needed for [`added`](Self::added).
     pub fn new(surface: &Surface, remember: bool) -> Self {
         let points = surface.point_count();
+        let mut witnesses: Vec<Witness> =
+            (0..points as u32).map(|p| Witness { position: surface.at(p), next: NONE }).collect();
+        let mut head = vec![NONE; surface.triangle_count()];
+        if !surface.curves().is_empty() || surface.is_small() {
+            // Between curves there is no point to tell how far a triangle's middle comes to lie: it is one itself.
+            for triangle in 0..surface.triangle_count() as u32 {
+                let Some(corners) = surface.triangle(triangle) else { continue };
+                if surface.is_small() || corners.iter().all(|&p| surface.is_on_curve(p)) {
+                    let [p, q, r] = corners.map(|p| surface.at(p));
+                    head[triangle as usize] = witnesses.len() as u32;
+                    witnesses.push(Witness { position: p + ((q - p) + (r - p)) / 3.0, next: NONE });
+                }
+            }
+        }
         Self {
-            points: (0..points as u32).map(|p| Witness { position: surface.at(p), next: NONE }).collect(),
-            head: vec![NONE; surface.triangle_count()],
+            placed: if remember { vec![0.0; witnesses.len()] } else { Vec::new() },
+            points: witnesses,
+            head,
             merged: vec![false; points],
             fan: Vec::new(),
             angles: Angles::default(),
@@ -150,7 +166,30 @@ impl Witnesses {
             heads: Vec::new(),
             handed: Vec::new(),
             share: area(surface) / surface.live_points().max(1) as f32,
-            placed: if remember { vec![0.0; points] } else { Vec::new() },
+        }
+    }
+
+    /// The largest squared distance so far.
+    pub fn largest(&self) -> f32 {
+        self.largest
+    }
+
+    /// Takes down a distance found by other means.
+    pub fn note(&mut self, distance: f32) {
+        self.largest = self.largest.max(distance * distance);
+    }
+
+    /// Calls `visit` with the first few points of the input that hang on a triangle.
+    pub fn on_triangle(&self, triangle: u32, mut visit: impl FnMut(u32)) {
+        let mut at = self.head[triangle as usize];
+        for _ in 0..4 {
+            if at == NONE {
+                break;
+            }
+            if (at as usize) < self.merged.len() {
+                visit(at);
+            }
+            at = self.points[at as usize].next;
         }
     }
 

@@ -287,7 +287,7 @@ fn plate_with_island(sides: u32, radius: f32, apart: bool) -> (Mesh, usize) {
         all[outlines[0].len()..].iter().rev().copied().collect()
     };
     mesh.fill(&[island], &rim, false);
-    (mesh.finish(), inside)
+    (bare(mesh.positions, mesh.triangles), inside)
 }
 
 /// A part by number: every kind of this file in turn, its measures drawn by the number, some of them cut finer.

@@ -1,0 +1,155 @@
+//! How far a level lies from the input, next to curves and on small meshes: points on its new triangles, held against the input's triangles.
+//!
+//! ```text
+//!      .---.---.---.---.       A wall between two rims has no point of its own: all of them are on the rims. What lies
+//!      |  /|  /|  /|  /|       between is told by the level's triangles only, whose diagonals cut through the round.
+//!      '---'---'---'---'
+//! ```
+//!
+//! The nearest triangle of the input is found by walking from the corners to whatever neighbour is nearer: its distance is
+//! never less than that of the nearest, and where it is less than what is known of the level already nothing is looked at
+//! any further.
+
+use glam::Vec3;
+
+use super::metric::Pair;
+use super::patch::Patch;
+use super::surface::Surface;
+
+/// Points with more triangles are not looked around.
+const HUB: u32 = 64;
+/// Most new triangles that are looked at: with more, a hub moves.
+const MOST_FACETS: usize = 64;
+
+/// The triangles of the input, and those around each of its points.
+#[derive(Debug, Clone, Default)]
+pub(super) struct WayBack {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    start: Vec<u32>,
+    around: Vec<u32>,
+}
+
+impl WayBack {
+    /// Of a surface that nothing was merged on yet; nothing where it has no curves and is not small. O(n).
+    pub fn new(surface: &Surface) -> Self {
+        if surface.curves().is_empty() && !surface.is_small() {
+            return Self::default();
+        }
+        let points = surface.point_count() as u32;
+        let mut result = Self { start: vec![0], ..Self::default() };
+        for point in 0..points {
+            result.positions.push(surface.at(point));
+            result.around.extend(surface.star_triangles(point));
+            result.start.push(result.around.len() as u32);
+        }
+        let triangle = |t: u32| surface.triangle(t).unwrap_or_default();
+        result.triangles = (0..surface.triangle_count() as u32).map(triangle).collect();
+        result
+    }
+
+    /// The largest squared distance of a point on the new triangles of a merge at `x` from the input, where it is more
+    /// than `known`; else that. `on`: points of the input that lie over a triangle.
+    pub fn farthest(
+        &self,
+        patch: &Patch,
+        pair: Pair,
+        x: Vec3,
+        known: f32,
+        mut on: impl FnMut(u32, &mut dyn FnMut(u32)),
+    ) -> f32 {
+        let mut worst = known;
+        for facet in patch.facets().iter().take(MOST_FACETS) {
+            let [a, b] = facet.others;
+            for (offset, end) in [(0.5 * facet.a, a), (0.5 * facet.b, b), ((facet.a + facet.b) / 3.0, a)] {
+                let mut search =
+                    Search { back: self, at: x + offset, best: f32::INFINITY, triangle: 0, enough: worst };
+                for point in [pair.kept, end, pair.lost, a, b] {
+                    search.look_around(point);
+                }
+                if search.best > worst {
+                    on(facet.triangle, &mut |point| search.look_around(point));
+                    search.walk();
+                }
+                if search.best.is_finite() {
+                    worst = worst.max(search.best);
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// The nearest triangle of the input to a place, as far as it is known.
+struct Search<'a> {
+    back: &'a WayBack,
+    at: Vec3,
+    best: f32,
+    triangle: u32,
+    enough: f32,
+}
+
+impl Search<'_> {
+    fn look_around(&mut self, point: u32) {
+        let [start, end] = [self.back.start[point as usize], self.back.start[point as usize + 1]];
+        if end - start > HUB || self.best <= self.enough {
+            return;
+        }
+        for &triangle in &self.back.around[start as usize..end as usize] {
+            let corners = self.back.triangles[triangle as usize];
+            let distance = squared_distance(corners.map(|p| self.back.positions[p as usize] - self.at));
+            if distance < self.best {
+                (self.best, self.triangle) = (distance, triangle);
+            }
+        }
+    }
+
+    /// Goes on to neighbours while they are nearer.
+    fn walk(&mut self) {
+        let mut before = f32::INFINITY;
+        while self.best < before && self.best > self.enough {
+            before = self.best;
+            for corner in self.back.triangles[self.triangle as usize] {
+                self.look_around(corner);
+            }
+        }
+    }
+}
+
+/// Squared distance of the origin from a triangle.
+fn squared_distance([a, b, c]: [Vec3; 3]) -> f32 {
+    let normal = (b - a).cross(c - a);
+    let inside = |p: Vec3, q: Vec3| p.cross(q).dot(normal) >= 0.0;
+    let area = normal.length_squared();
+    if area > f32::MIN_POSITIVE && inside(a, b) && inside(b, c) && inside(c, a) {
+        let height = a.dot(normal);
+        return height * height / area;
+    }
+    let side = |p: Vec3, q: Vec3| {
+        let pq = q - p;
+        let share = -p.dot(pq) / pq.length_squared();
+        // Not a number where both ends are one.
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        (p + pq * share).length_squared()
+    };
+    side(a, b).min(side(b, c)).min(side(c, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_a_triangle() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        for (from, distance) in [
+            (Vec3::new(0.2, 0.2, 0.5), 0.25),
+            (Vec3::new(0.5, -2.0, 0.0), 4.0),
+            (Vec3::new(1.0, 1.0, 0.0), 0.5),
+            (Vec3::new(-1.0, -1.0, 1.0), 3.0),
+        ] {
+            let found = squared_distance(triangle.map(|p| p - from));
+            assert!((found - distance).abs() < 1e-6, "{from}: {found}");
+        }
+    }
+}
