@@ -9,8 +9,8 @@
 //!     joining               in a second step a corner of the heir moves to the part's far end
 //! ```
 //!
-//! Collapses that would leave of a remnant a rag are not done (`Engine::makes_rag`): half a leaf is worth less than
-//! none, since a leaf that is left can grow.
+//! Collapses that would leave of a card a rag are not done (`Engine::makes_rag`): half a leaf is worth less than none,
+//! since a leaf that is left can grow. A pebble goes on to a tetrahedron.
 
 use glam::Vec3;
 
@@ -26,7 +26,7 @@ use super::{Engine, state};
 
 /// A part of at most so many triangles is a remnant.
 const REMNANT: u32 = 10;
-/// The share of its area below which a part is a rag.
+/// The share of its area below which a part that faces one way is a rag.
 const KEPT_AREA: f32 = 0.6;
 /// Parts of more triangles wait as if they had so many.
 const LARGE: u32 = 64;
@@ -170,6 +170,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
             let pair = Pair { lost: into, kept: point };
             self.commit(Candidate { pair, x: self.surface.at(point), object: None });
             parts.absorb(into, point);
+            let both = parts.of(point);
+            if let Some(cost) = self.loss_cost(parts, both, parts.least_loss(both)) {
+                self.queue.insert(self.state.len() as u32 + both, cost);
+            }
         }
         true
     }
@@ -287,7 +291,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
     }
 
-    /// Whether a collapse whose patch is in `self.patch` would leave too little of a part that can vanish instead.
+    /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
     pub(super) fn makes_rag(&self, pair: Pair) -> bool {
         let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
         if self.limits.error.is_finite() || self.patch.thirds().is_empty() {
@@ -295,7 +299,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let part = parts.of(pair.kept);
         let live = parts.live(part);
-        if live > REMNANT || !parts.may_vanish(part) || parts.is_joined(part) {
+        let is_card = parts.shape(part).is_flat() && !parts.is_joined(part);
+        if live > REMNANT || !is_card || !parts.may_vanish(part) {
             return false;
         }
         // The part's triangles as they are, found from one to the next.
