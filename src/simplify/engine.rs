@@ -564,7 +564,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if let Some(parts) = &mut self.parts {
             parts.merge(pair.lost, pair.kept, self.dead.len());
             if !self.partners.is_empty() && self.surface.valence(pair.kept) > 0 {
-                self.partners.look(&self.surface, parts, pair.kept);
+                self.partners.look(&self.surface, parts, pair.kept, Some(pair.lost));
             }
         }
         self.update_around(pair, rank);
