@@ -14,6 +14,12 @@ pub enum MeshError {
         /// The position as given.
         position: [f32; 3],
     },
+    /// The origin holds NaN or an infinity.
+    #[error("the origin {origin:?} is not finite")]
+    NonFiniteOrigin {
+        /// The origin as given.
+        origin: [f64; 3],
+    },
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {index}, but there are {vertices} vertices")]
     IndexOutOfRange {

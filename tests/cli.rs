@@ -226,6 +226,17 @@ fn rules_can_be_changed() {
             .map(steered);
     assert!(off != on && on == same && chosen != on && chosen != off);
     assert!(steered("") == on, "attributes count by default");
+    assert!(steered("--attribute-values kept") != on);
+    let answer = json("simplify", &[&input, &output], "--triangles 1000").answer();
+    assert_eq!(answer["attribute_values"], "fitted");
+    let said = answer["attribute_deviations"].as_array().unwrap();
+    let units: Vec<_> =
+        said.iter().map(|d| (d["name"].as_str().unwrap(), d["unit"].as_str().unwrap())).collect();
+    assert!(
+        units.contains(&(names::NORMAL, "degrees")) && units.contains(&(names::UV, "object units")),
+        "{units:?}"
+    );
+    assert!(said.iter().all(|d| d["mean"].as_f64() <= d["max"].as_f64() && d["max"].as_f64() > Some(0.0)));
     // Whatever the metric.
     let [off, on] = ["off", "on"].map(|how| steered(&format!("--metric hybrid --attributes {how}")));
     assert!(off != on);

@@ -160,8 +160,12 @@ fn bad_texture_indices_are_told_and_the_geometry_is_kept() {
 fn moving_the_origin_keeps_small_things_far_away() {
     let Some(folder) = hostile("moving_the_origin_keeps_small_things_far_away") else { return };
     let path = folder.join("far_offset.obj");
-    let kept = Topology::new(&load(&path).unwrap().mesh).point_count();
+    let keep = ReadOptions::default().with_origin(SceneOrigin::Keep);
+    let kept = Topology::new(&io::read_with(&path, &keep).unwrap().mesh).point_count();
     assert_eq!(kept, 1_027);
+    let moved = load(&path).unwrap();
+    assert_eq!(Topology::new(&moved.mesh).point_count(), 2_562, "moved by itself");
+    assert!(moved.notes.iter().any(|note| note.contains("relative to")), "{:?}", moved.notes);
     let options = ReadOptions::default().with_origin(SceneOrigin::Center);
     let moved = io::read_with(&path, &options).unwrap();
     assert_eq!(Topology::new(&moved.mesh).point_count(), 2_562);

@@ -214,3 +214,67 @@ proptest! {
         prop_assert_eq!(Report::welded(&shapes::torus_knot(2, 3, segments, sides)).genus(), Some(1));
     }
 }
+
+#[test]
+fn game_models_have_what_games_have() {
+    let prop = shapes::prop(24);
+    assert_eq!(prop.triangles().len(), 12 * 24 * 24);
+    assert_closed(&prop, 0);
+    assert_eq!(prop.material_names().len(), 2);
+    assert!(prop.positions().len() > Topology::new(&prop).point_count(), "hard edges");
+
+    let robot = shapes::robot(4);
+    check(&robot);
+    let report = Report::welded(&robot);
+    assert!(report.is_closed() && report.is_manifold(), "{report}");
+    assert_eq!(report.components, 8);
+    let uv = robot.attribute(names::UV).and_then(|a| a.as_floats()).unwrap();
+    let mirrored = robot.triangles().iter().filter(|t| uv_area(uv, **t) < 0.0).count();
+    assert!(mirrored * 4 > robot.triangles().len() && mirrored * 2 < robot.triangles().len(), "{mirrored}");
+
+    let tree = shapes::tree(300);
+    check(&tree);
+    assert_eq!(tree.triangles().len(), 480 + 600);
+    assert_eq!(Report::new(&tree).components, 301);
+
+    let flat = shapes::flat_rock(500, 1);
+    check(&flat);
+    assert_eq!(flat.positions().len(), 3 * flat.triangles().len());
+    assert!(Report::welded(&flat).is_closed());
+
+    let tube = shapes::skinned_tube(16, 20);
+    check(&tube);
+    assert_eq!(tube.triangles().len(), 640);
+    let weights = tube.attribute(names::WEIGHTS).and_then(|a| a.as_floats()).unwrap();
+    assert!(
+        weights.chunks(4).all(|w| (w.iter().sum::<f32>() - 1.0).abs() < 1e-6 && w.iter().all(|x| *x >= 0.0))
+    );
+
+    let disc = shapes::painted_disc(32, 8);
+    check(&disc);
+    assert_eq!(disc.triangles().len(), 32 * 15);
+    let colours = disc.attribute(names::COLOR).and_then(|a| a.as_floats()).unwrap();
+    let colour = |v: u32| &colours[3 * v as usize..][..3];
+    assert!(disc.triangles().iter().all(|&[a, b, c]| colour(a) == colour(b) && colour(b) == colour(c)));
+    let red = disc.triangles().iter().filter(|t| colour(t[0])[1] < 0.5).count();
+    assert_eq!(red, 32 * 7);
+}
+
+/// Twice the signed area of texture coordinates.
+fn uv_area(uv: &[f32], triangle: [u32; 3]) -> f32 {
+    let [a, b, c] = triangle.map(|v| [uv[2 * v as usize], uv[2 * v as usize + 1]]);
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[test]
+fn game_models_take_any_argument() {
+    for n in [0, 1, 2, 3, 9] {
+        let all = [shapes::prop(n), shapes::robot(n), shapes::tree(n), shapes::flat_rock(n, n)];
+        for (which, mesh) in all.iter().enumerate() {
+            println!("shape {which} of {n}");
+            check(mesh);
+        }
+        check(&shapes::skinned_tube(n, n));
+        check(&shapes::painted_disc(n, n));
+    }
+}

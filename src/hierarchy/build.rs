@@ -37,6 +37,8 @@ pub struct HierarchyBuild {
     pub input_vertices: usize,
     /// The sequence's new vertices.
     pub new_vertices: Vec<NewVertex>,
+    /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
+    pub snaps: Vec<[u32; 2]>,
 }
 
 impl HierarchyBuild {
@@ -70,13 +72,21 @@ impl HierarchyBuild {
         Ok(self.vertex_order.iter().map(|&v| value(&made, v)).collect())
     }
 
-    /// Positions in the order of the structure, object units: new vertices lie where their collapses put them.
+    /// Positions in the order of the structure, object units: new vertices lie where their collapses put them, snapped ones
+    /// where the simplification has snapped them.
     ///
     /// # Errors
     /// As many positions as input vertices are needed.
     pub fn positions(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, MeshError> {
+        let mut snapped;
+        let mut input = positions;
+        if !self.snaps.is_empty() && positions.len() == self.input_vertices {
+            snapped = positions.to_vec();
+            self.snaps.iter().for_each(|&[v, to]| snapped[v as usize] = positions[to as usize]);
+            input = &snapped;
+        }
         let mut new = self.new_vertices.iter();
-        self.arrange_with(positions, |_, _, _| new.next().map_or([0.0; 3], |new| new.position))
+        self.arrange_with(input, |_, _, _| new.next().map_or([0.0; 3], |new| new.position))
     }
 }
 
@@ -155,6 +165,7 @@ impl VertexHierarchy {
             triangle_order: by_split.items,
             input_vertices: sequence.input_vertices(),
             new_vertices: sequence.new_vertices().to_vec(),
+            snaps: sequence.snaps().to_vec(),
         })
     }
 }
@@ -176,9 +187,10 @@ struct Forest {
 impl Forest {
     fn new(mesh: &Mesh, sequence: &CollapseSequence, lineage: &Lineage) -> Self {
         let count = lineage.real as usize;
+        let placed = sequence.placed(mesh);
         let is_leaf = |number: usize| (lineage.order[number] as usize) < sequence.input_vertices();
         let position = |number: usize| match sequence.origin(lineage.order[number]) {
-            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Input(v) => placed[v as usize],
             Origin::Blend(new) => new.position,
         };
         let parent = |number: usize| lineage.parent(number as u32) as usize;

@@ -22,7 +22,7 @@ use serde::de::DeserializeOwned;
 /// First bytes of a baked file. As in PNG: a byte that is no ASCII, the name, a line end and an end-of-text mark.
 const MAGIC: [u8; 8] = *b"\x89MRES\r\n\x1a";
 /// Version of the container and of the structures' layout; files of another version are refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Bytes of the kind's name.
 const KIND: usize = 16;
 /// Where length, checksum and payload start.

@@ -6,6 +6,9 @@
 use super::{Imported, ReadError, ReadOptions, SceneOrigin};
 use crate::mesh::{Attribute, AttributeValues, Mesh, Topology};
 
+/// Share of the diagonal by which single precision may round positions before the origin is moved.
+const MOST_LOST: f64 = 1e-6;
+
 /// A mesh being read.
 #[derive(Default)]
 pub(super) struct Draft {
@@ -27,6 +30,7 @@ impl Draft {
             SceneOrigin::Keep => [0.0; 3],
             SceneOrigin::At(origin) => origin,
             SceneOrigin::Center => self.center(),
+            SceneOrigin::Automatic => self.own_origin(),
         };
         let round = |p: &[f64; 3]| [0, 1, 2].map(|axis| (p[axis] - origin[axis]) as f32);
         let positions: Vec<[f32; 3]> = self.positions.iter().map(round).collect();
@@ -42,20 +46,52 @@ impl Draft {
             mesh = mesh.with_attribute(attribute)?;
         }
         let mesh = mesh.with_materials(self.materials)?.with_material_names(self.material_names);
+        let mesh = mesh.with_origin(origin)?;
         Ok(Imported { mesh, origin, notes: self.notes })
     }
 
-    /// Middle of the box around all finite vertices that a triangle uses.
-    fn center(&self) -> [f64; 3] {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    /// Finite vertices that a triangle uses, once for each corner.
+    fn used(&self) -> impl Iterator<Item = &[f64; 3]> {
         let used = self.triangles.as_flattened().iter().filter_map(|&v| self.positions.get(v as usize));
-        for p in used.filter(|p| p.iter().all(|x| x.is_finite())) {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(p[axis]);
-                high[axis] = high[axis].max(p[axis]);
-            }
+        used.filter(|p| p.iter().all(|x| x.is_finite()))
+    }
+
+    /// Smallest and largest corner of the box around all used vertices; `None` without any.
+    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let first = *self.used().next()?;
+        Some(self.used().fold([first; 2], |[low, high], p| {
+            [[0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i]))]
+        }))
+    }
+
+    /// Middle of the box around all used vertices.
+    fn center(&self) -> [f64; 3] {
+        self.bounds().map_or([0.0; 3], |[low, high]| [0, 1, 2].map(|i| low[i] * 0.5 + high[i] * 0.5))
+    }
+
+    /// Zero, unless single precision would round positions by more than [`MOST_LOST`] of the diagonal. Then the middle of
+    /// the box, rounded to a multiple of a power of two about as large as the box: so sums with positions are exact, and
+    /// a level of the mesh mostly gets the origin of the mesh. Notes what was done.
+    fn own_origin(&mut self) -> [f64; 3] {
+        let Some([low, high]) = self.bounds() else { return [0.0; 3] };
+        let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let diagonal = length([0, 1, 2].map(|i| high[i] - low[i]));
+        let rounding = |p: &[f64; 3]| length(p.map(|x| x - f64::from(x as f32)));
+        let lost = self.used().map(rounding).fold(0.0, f64::max);
+        // What overflows is refused as it stands.
+        let far = lost > MOST_LOST * diagonal && lost.is_finite() && diagonal > 0.0;
+        if !far {
+            return [0.0; 3];
         }
-        [0, 1, 2].map(|axis| if low[axis] <= high[axis] { low[axis] * 0.5 + high[axis] * 0.5 } else { 0.0 })
+        let unit = diagonal.log2().ceil().exp2();
+        let origin = self.center().map(|x| (x / unit).round() * unit);
+        if !origin.iter().all(|x| x.is_finite()) {
+            return [0.0; 3];
+        }
+        self.notes.push(format!(
+            "coordinates are kept relative to {origin:?}: single precision would round them by up to {lost:.2e}"
+        ));
+        origin
     }
 }
 

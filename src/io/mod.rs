@@ -50,6 +50,9 @@ use crate::mesh::Mesh;
 /// | glTF | exact | exact, grouped by material | all up to width 4 | ids and names |
 ///
 /// This is what is written, and what comes back when it is read. Locks are only kept by the baked container.
+///
+/// Positions are written where they lie in the world: with the mesh's [`origin`](Mesh::origin) added in double precision.
+/// Where there is one, text has as many digits as that takes, PLY has doubles, STL is text, and glTF moves its node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
@@ -57,7 +60,7 @@ pub enum Format {
     Obj,
     /// Stanford polygon format, `.ply`; read as text and binary, written as little-endian binary.
     Ply,
-    /// Stereolithography, `.stl`; read as text and binary, written as binary.
+    /// Stereolithography, `.stl`; read as text and binary, written as binary, or as text where there is an origin.
     Stl,
     /// Object file format, `.off`; read as text and binary, written as text.
     Off,
@@ -105,8 +108,11 @@ impl fmt::Display for Format {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub enum SceneOrigin {
-    /// Coordinates stay as the file has them.
+    /// Coordinates stay as the file has them, unless single precision would round them by more than 1e-6 of the diagonal:
+    /// then a point near the middle.
     #[default]
+    Automatic,
+    /// Coordinates stay as the file has them.
     Keep,
     /// The middle of the box around all vertices that a triangle uses.
     Center,
@@ -118,8 +124,8 @@ pub enum SceneOrigin {
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ReadOptions {
-    /// Where to put the origin; kept by default. Single precision has 24 bits, so a mesh of centimetres in map
-    /// coordinates of kilometres keeps its shape only when its origin is moved.
+    /// Where to put the origin; by default it is moved only where it must be. Single precision has 24 bits, so a mesh of
+    /// centimetres in map coordinates of kilometres keeps its shape only when its origin is moved.
     pub origin: SceneOrigin,
 }
 
@@ -138,7 +144,7 @@ impl ReadOptions {
 pub struct Imported {
     /// The mesh.
     pub mesh: Mesh,
-    /// What was subtracted from the file's coordinates; zero unless [`ReadOptions::origin`] asks for more.
+    /// What was subtracted from the file's coordinates, as [`Mesh::origin`] says too. Writers add it again.
     pub origin: [f64; 3],
     /// What a reader left out or took for granted, one line each; empty for a clean file.
     pub notes: Vec<String>,

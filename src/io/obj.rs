@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use super::draft::{Draft, Tally};
 use super::error::ReadError;
 use super::polygon::Triangulator;
-use super::text::{self, Lines, integer, number, push_float, quoted, words};
+use super::text::{self, Lines, integer, number, push_float, push_position, quoted, words};
 use crate::error::MeshError;
 use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 
@@ -384,20 +384,22 @@ pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
     let (color, uv, normal) =
         (floats(names::COLOR, &[3, 4]), floats(names::UV, &[2]), floats(names::NORMAL, &[3]));
     let mut out = Vec::with_capacity(40 * (mesh.positions().len() + mesh.triangles().len()));
-    let line = |keyword: &str, values: &[f32], more: &[f32], out: &mut Vec<u8>| {
+    let line = |keyword: &str, values: &[f32], out: &mut Vec<u8>| {
         out.extend_from_slice(keyword.as_bytes());
-        for &x in values.iter().chain(more) {
+        for &x in values {
             out.push(b' ');
             push_float(x, out);
         }
         out.push(b'\n');
     };
     for (v, position) in mesh.positions().iter().enumerate() {
-        line("v", position, color.map_or(&[], |(c, width)| &c[v * width..(v + 1) * width]), &mut out);
+        out.extend_from_slice(b"v ");
+        push_position(*position, mesh.origin(), &mut out);
+        line("", color.map_or(&[], |(c, width)| &c[v * width..(v + 1) * width]), &mut out);
     }
     for (keyword, values) in [("vt", uv), ("vn", normal)] {
         if let Some((values, width)) = values {
-            values.chunks_exact(width).for_each(|value| line(keyword, value, &[], &mut out));
+            values.chunks_exact(width).for_each(|value| line(keyword, value, &mut out));
         }
     }
     // Names first, in order, so that reading gives the same ids.

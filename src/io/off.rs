@@ -12,7 +12,7 @@
 use super::draft::Draft;
 use super::error::ReadError;
 use super::polygon::Polygons;
-use super::text::{Lines, integer, number, push_float, quoted, words};
+use super::text::{Lines, integer, number, push_float, push_position, quoted, words};
 use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
 /// What the first word says each vertex has.
@@ -279,16 +279,13 @@ pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
     let counts = format!("{} {} 0\n", mesh.positions().len(), mesh.triangles().len());
     let mut out = format!("{uv_prefix}{color_prefix}{normal_prefix}OFF\n{counts}").into_bytes();
     for (v, position) in mesh.positions().iter().enumerate() {
-        let mut first = true;
+        push_position(*position, mesh.origin(), &mut out);
         let mut put = |values: &[f32]| {
             for &x in values {
-                if !std::mem::take(&mut first) {
-                    out.push(b' ');
-                }
+                out.push(b' ');
                 push_float(x, &mut out);
             }
         };
-        put(position);
         for (values, width) in [normal, color, uv].into_iter().flatten() {
             put(&values[v * width..(v + 1) * width]);
         }

@@ -10,7 +10,7 @@
 use super::draft::Draft;
 use super::error::{ReadError, WriteError};
 use super::polygon::Triangulator;
-use super::text::{Words, number, quoted, without_mark};
+use super::text::{Words, number, push_position, quoted, without_mark};
 use crate::mesh::Mesh;
 
 /// Bytes before the first triangle of a binary file: a free header and the count.
@@ -108,6 +108,9 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
 
 /// The file as bytes, binary. Only positions and triangles are held; normals are computed, zero where there is no area.
 pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
+    if mesh.origin() != [0.0; 3] {
+        return Ok(write_text(mesh));
+    }
     let count = u32::try_from(mesh.triangles().len()).map_err(|_| WriteError::Unsupported {
         format: "STL",
         what: format!("{} triangles", mesh.triangles().len()),
@@ -123,6 +126,25 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
         out.extend_from_slice(&[0; 2]);
     }
     Ok(out)
+}
+
+/// Text holds what the single precision of the binary form does not.
+fn write_text(mesh: &Mesh) -> Vec<u8> {
+    let mut out = b"solid multires\n".to_vec();
+    for triangle in mesh.triangles() {
+        let corners = triangle.map(|v| mesh.positions()[v as usize]);
+        out.extend_from_slice(b"facet normal ");
+        push_position(normal(corners), [0.0; 3], &mut out);
+        out.extend_from_slice(b"\nouter loop\n");
+        for corner in corners {
+            out.extend_from_slice(b"vertex ");
+            push_position(corner, mesh.origin(), &mut out);
+            out.push(b'\n');
+        }
+        out.extend_from_slice(b"endloop\nendfacet\n");
+    }
+    out.extend_from_slice(b"endsolid multires\n");
+    out
 }
 
 fn normal(corners: [[f32; 3]; 3]) -> [f32; 3] {

@@ -125,6 +125,23 @@ pub(super) fn quoted(word: &[u8]) -> String {
     format!("{shown:?}{}", if word.len() > 40 { "..." } else { "" })
 }
 
+/// Appends a position, numbers apart: as [`push_float`] does, or moved by an origin, then as the shortest decimal form that
+/// reads back to the same sum in double precision.
+pub(super) fn push_position(position: [f32; 3], origin: [f64; 3], out: &mut Vec<u8>) {
+    use std::io::Write;
+    for axis in 0..3 {
+        if axis > 0 {
+            out.push(b' ');
+        }
+        if origin == [0.0; 3] {
+            push_float(position[axis], out);
+        } else {
+            // Writing to a Vec cannot fail.
+            let _ = write!(out, "{:?}", f64::from(position[axis]) + origin[axis]);
+        }
+    }
+}
+
 /// Appends the shortest decimal form of `x` that reads back to the same bits, also by way of double precision.
 pub(super) fn push_float(x: f32, out: &mut Vec<u8>) {
     use std::io::Write;

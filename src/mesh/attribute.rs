@@ -66,8 +66,8 @@ impl AttributeValues {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attribute {
     name: String,
-    width: usize,
-    values: AttributeValues,
+    pub(super) width: usize,
+    pub(super) values: AttributeValues,
 }
 
 impl Attribute {
@@ -124,6 +124,19 @@ impl Attribute {
         &self.values.words()[start..start + self.width]
     }
 
+    /// The values of the vertices in `order`, which all exist. O(output).
+    pub(crate) fn gather(&self, order: &[u32]) -> Self {
+        fn rows<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
+            order.iter().flat_map(|&v| &values[v as usize * width..][..width]).copied().collect()
+        }
+        let values = match &self.values {
+            AttributeValues::Float(v) => AttributeValues::Float(rows(v, self.width, order)),
+            AttributeValues::Int(v) => AttributeValues::Int(rows(v, self.width, order)),
+            AttributeValues::Uint(v) => AttributeValues::Uint(rows(v, self.width, order)),
+        };
+        Self::new(self.name.clone(), self.width, values)
+    }
+
     /// Brings a blended normal or tangent back to unit length; values of other attributes stay as they are.
     pub(crate) fn normalise_direction(&self, value: &mut [f32]) {
         if !matches!(self.name.as_str(), names::NORMAL | names::TANGENT) || self.width < 3 {
@@ -135,28 +148,50 @@ impl Attribute {
         }
     }
 
-    /// Puts vertices in the middle of two others, one after the other; what cannot be blended is that of the first.
-    pub(super) fn put_midpoints(&mut self, ends: impl Iterator<Item = (u32, [u32; 2])>) {
-        let width = self.width;
-        for (vertex, ends) in ends {
-            let [vertex, a, b] = [vertex, ends[0], ends[1]].map(|v| v as usize * width);
-            match &mut self.values {
-                AttributeValues::Float(values) => {
-                    for i in 0..width {
-                        values[vertex + i] = 0.5 * values[a + i] + 0.5 * values[b + i];
-                    }
-                }
-                AttributeValues::Int(values) => values.copy_within(a..a + width, vertex),
-                AttributeValues::Uint(values) => values.copy_within(a..a + width, vertex),
-            }
-            let mut value = [0.0; 16];
-            if let AttributeValues::Float(values) = &self.values {
-                value[..width].copy_from_slice(&values[vertex..vertex + width]);
-                self.normalise_direction(&mut value[..width]);
-            }
-            if let AttributeValues::Float(values) = &mut self.values {
-                values[vertex..vertex + width].copy_from_slice(&value[..width]);
-            }
+    /// Makes room for more vertices.
+    pub(super) fn reserve(&mut self, vertices: usize) {
+        match &mut self.values {
+            AttributeValues::Float(v) => v.reserve_exact(vertices * self.width),
+            AttributeValues::Int(v) => v.reserve_exact(vertices * self.width),
+            AttributeValues::Uint(v) => v.reserve_exact(vertices * self.width),
+        }
+    }
+
+    /// Appends a vertex of zeros.
+    pub(super) fn push_row(&mut self) {
+        let length = self.values.len() + self.width;
+        match &mut self.values {
+            AttributeValues::Float(v) => v.resize(length, 0.0),
+            AttributeValues::Int(v) => v.resize(length, 0),
+            AttributeValues::Uint(v) => v.resize(length, 0),
+        }
+    }
+
+    /// Copies one vertex over another.
+    pub(super) fn copy_row(&mut self, from: u32, to: u32) {
+        let [from, to] = [from, to].map(|v| v as usize * self.width);
+        match &mut self.values {
+            AttributeValues::Float(v) => v.copy_within(from..from + self.width, to),
+            AttributeValues::Int(v) => v.copy_within(from..from + self.width, to),
+            AttributeValues::Uint(v) => v.copy_within(from..from + self.width, to),
+        }
+    }
+
+    /// A scalar, whatever it is stored as.
+    pub(super) fn scalar(&self, at: usize) -> f64 {
+        match &self.values {
+            AttributeValues::Float(v) => f64::from(v[at]),
+            AttributeValues::Int(v) => f64::from(v[at]),
+            AttributeValues::Uint(v) => f64::from(v[at]),
+        }
+    }
+
+    /// Stores a scalar as what the attribute holds, rounded to it.
+    pub(super) fn set_scalar(&mut self, at: usize, scalar: f64) {
+        match &mut self.values {
+            AttributeValues::Float(v) => v[at] = scalar as f32,
+            AttributeValues::Int(v) => v[at] = scalar.round() as i32,
+            AttributeValues::Uint(v) => v[at] = scalar.round() as u32,
         }
     }
 

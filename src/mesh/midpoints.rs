@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::blend::Blender;
 use super::{Attribute, Mesh, Topology, names};
 
 impl Mesh {
@@ -12,7 +13,9 @@ impl Mesh {
             let [a, b] = [a, b].map(|end| self.positions[end as usize]);
             self.positions[vertex as usize] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
         }
-        self.attributes.iter_mut().for_each(|attribute| attribute.put_midpoints(ends.clone()));
+        let mut blender = Blender::new(&self.attributes, 0);
+        ends.for_each(|(vertex, from)| blender.put(vertex, from, 0.5));
+        self.attributes = blender.finish();
         self
     }
 

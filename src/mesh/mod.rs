@@ -4,29 +4,42 @@
 //! |---|---|
 //! | `mod.rs` | [`Mesh`], validated once and infallible afterwards |
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
+//! | `blend.rs` | what a vertex between two others carries |
+//! | `creases.rs` | [`Creases`]: normals from the triangles, smooth up to an angle |
 //! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
+//! | `tolerances.rs` | [`Tolerances`]: up to which differences wedges are one |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
 //! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
 //! | `gather.rs` | a mesh of some vertices of another |
 //! | `midpoints.rs` | vertices in the middle of two others, and normals from the triangles |
+//! | `near.rs` | positions that nearly coincide: [`Mesh::welded`] |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
 mod adjacency;
 mod attribute;
+mod blend;
+mod creases;
 pub(crate) mod crossing;
 mod edges;
 mod gather;
 mod midpoints;
+mod near;
 mod report;
 pub mod shapes;
+mod tolerances;
 mod topology;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
+pub use creases::{Creases, NormalWeights};
 pub use edges::Edges;
+pub(crate) use near::{border_twins, rounding};
 pub use report::Report;
+pub use tolerances::Tolerances;
 pub use topology::Topology;
+
+pub(crate) use blend::Blender;
 
 use crate::error::MeshError;
 
@@ -55,6 +68,7 @@ pub struct Mesh {
     materials: Vec<u32>,
     material_names: Vec<String>,
     locks: Vec<bool>,
+    origin: [f64; 3],
 }
 
 impl Mesh {
@@ -131,6 +145,45 @@ impl Mesh {
         Ok(self)
     }
 
+    /// The same mesh whose positions are said to be relative to a point: `position + origin` is where a vertex lies in the
+    /// world, in double precision. Default: 0. Single precision has 24 bits, so a mesh in map coordinates keeps its shape
+    /// only beside an origin of its own. What is made of a mesh (levels, structures) keeps its origin; nothing but files
+    /// looks at it ([`io`](crate::io), where that feature is on).
+    ///
+    /// # Errors
+    /// An origin that is not finite.
+    pub fn with_origin(mut self, origin: [f64; 3]) -> Result<Self, MeshError> {
+        if !origin.iter().all(|x| x.is_finite()) {
+            return Err(MeshError::NonFiniteOrigin { origin });
+        }
+        self.origin = origin;
+        Ok(self)
+    }
+
+    /// The same places relative to another origin: to compare meshes of different origins, move one to the other's.
+    ///
+    /// # Errors
+    /// An origin that is not finite, or one so far off that a position is not.
+    pub fn moved_to(&self, origin: [f64; 3]) -> Result<Self, MeshError> {
+        let mut moved = self.clone().with_origin(origin)?;
+        for (vertex, position) in moved.positions.iter_mut().enumerate() {
+            for axis in 0..3 {
+                // The difference first: both are large, and near each other.
+                position[axis] = (f64::from(position[axis]) + (self.origin[axis] - origin[axis])) as f32;
+            }
+            if !position.iter().all(|x| x.is_finite()) {
+                return Err(MeshError::NonFinitePosition { vertex, position: *position });
+            }
+        }
+        Ok(moved)
+    }
+
+    /// The same mesh relative to another one's origin, from which it was made.
+    pub(crate) fn at_origin_of(mut self, other: &Self) -> Self {
+        self.origin = other.origin;
+        self
+    }
+
     /// The same with other values of the same attributes.
     pub(crate) fn with_attributes(mut self, attributes: Vec<Attribute>) -> Self {
         debug_assert!(attributes.iter().all(|a| a.check(self.positions.len()).is_ok()));
@@ -147,7 +200,12 @@ impl Mesh {
         material_names: Vec<String>,
         locks: Vec<bool>,
     ) -> Self {
-        Self { positions, triangles, attributes, materials, material_names, locks }
+        Self { positions, triangles, attributes, materials, material_names, locks, origin: [0.0; 3] }
+    }
+
+    /// What positions are relative to ([`Mesh::with_origin`]).
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
     }
 
     /// Positions in object units, one per vertex.
@@ -233,13 +291,15 @@ struct Parts {
     materials: Vec<u32>,
     material_names: Vec<String>,
     locks: Vec<bool>,
+    #[serde(default)]
+    origin: [f64; 3],
 }
 
 #[cfg(feature = "serde")]
 impl From<Mesh> for Parts {
     fn from(mesh: Mesh) -> Self {
-        let Mesh { positions, triangles, attributes, materials, material_names, locks } = mesh;
-        Self { positions, triangles, attributes, materials, material_names, locks }
+        let Mesh { positions, triangles, attributes, materials, material_names, locks, origin } = mesh;
+        Self { positions, triangles, attributes, materials, material_names, locks, origin }
     }
 }
 
@@ -251,7 +311,8 @@ impl TryFrom<Parts> for Mesh {
         let mut mesh = Mesh::new(parts.positions, parts.triangles)?
             .with_materials(parts.materials)?
             .with_material_names(parts.material_names)
-            .with_locks(parts.locks)?;
+            .with_locks(parts.locks)?
+            .with_origin(parts.origin)?;
         // Names in order, so that very many of them do not cost the square of their number.
         let mut names: Vec<&str> = parts.attributes.iter().map(Attribute::name).collect();
         names.sort_unstable();

@@ -12,6 +12,7 @@
 use std::fmt;
 
 use super::edges::next_half_edge;
+use super::near::near_twins;
 use super::{Edges, Mesh, NONE, Topology, names};
 
 /// What a mesh is made of. All counts are of *vertices* as [`Report::new`] or [`Report::welded`] understands them.
@@ -45,8 +46,14 @@ pub struct Report {
     pub unused_vertices: usize,
     /// Positions at which triangles see more than one texture coordinate (the first set).
     pub seam_vertices: usize,
-    /// Stored vertices that differ from one another in position or any attribute.
+    /// Stored vertices that differ from one another in position or any attribute, bit for bit.
     pub wedges: usize,
+    /// Points on open borders that nearly coincide with another, an earlier one: within 1e-6 of the diagonal, or 8 steps of
+    /// 2^-23 of the largest coordinate where that is more, and within a quarter of the shortest edge at either. Where a
+    /// surface should be closed, its sides were computed twice.
+    pub near_twins: usize,
+    /// The distance that makes each of them one point with its twin ([`Mesh::welded`]), object units; 0 where there are none.
+    pub twin_distance: f64,
     /// Length of the diagonal of the box around all used vertices, object units.
     pub diagonal: f64,
 }
@@ -61,9 +68,8 @@ impl Report {
     /// Counts by point: vertices at the same position (bit for bit) count as one.
     pub fn welded(mesh: &Mesh) -> Self {
         let topology = Topology::new(mesh);
-        let point_of = topology.point_of();
         let corner_points: Vec<_> =
-            mesh.triangles().iter().map(|corners| corners.map(|v| point_of[v as usize])).collect();
+            mesh.triangles().iter().map(|corners| topology.points(*corners)).collect();
         Self::count(mesh, &topology, &corner_points, topology.point_count())
     }
 
@@ -72,6 +78,13 @@ impl Report {
         let every_edge = || 0..edges.len() as u32;
         let used = mark_used(corner_points, vertices);
         let unused_vertices = used.iter().filter(|&&u| !u).count();
+        let points_differ = vertices != topology.point_count();
+        let (near_twins, twin_distance) = if points_differ {
+            let points: Vec<_> = mesh.triangles().iter().map(|t| topology.points(*t)).collect();
+            near_twins(mesh, topology, &Edges::new(&points, topology.point_count()))
+        } else {
+            near_twins(mesh, topology, &edges)
+        };
         let in_faces = if corner_points.iter().any(|&corners| repeats(corners)) {
             let faces: Vec<_> = corner_points.iter().copied().filter(|&corners| !repeats(corners)).collect();
             let used = mark_used(&faces, vertices).iter().filter(|&&u| u).count();
@@ -94,6 +107,8 @@ impl Report {
             unused_vertices,
             seam_vertices: seam_vertices(mesh, topology),
             wedges: topology.wedge_count(),
+            near_twins,
+            twin_distance,
             diagonal: mesh.diagonal(),
         }
     }
@@ -125,6 +140,7 @@ impl fmt::Display for Report {
             ("vertices", self.vertices),
             ("  unused", self.unused_vertices),
             ("  duplicate", self.duplicate_vertices),
+            ("  near twins", self.near_twins),
             ("  at seams", self.seam_vertices),
             ("  non-manifold", self.non_manifold_vertices),
             ("wedges", self.wedges),

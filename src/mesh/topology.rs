@@ -2,13 +2,19 @@
 //!
 //! ```text
 //!     vertex   what an index names: a position and one value of every attribute
-//!     wedge    vertices equal in position and in all attributes, bit for bit; named by its lowest vertex
+//!     wedge    vertices equal in position and in all attributes; named by its lowest vertex
 //!     point    vertices equal in position; a seam or crease is a point with several wedges
 //! ```
 //!
-//! Welding is by exact equality (with -0 equal to 0), so it never moves anything and needs no tolerance.
+//! Points are by exact equality (with -0 equal to 0), so welding never moves anything. Wedges are by equality bit for bit
+//! ([`Topology::new`]), or to within tolerances ([`Topology::with`]).
 
-use super::{Attribute, Mesh, NONE};
+use super::tolerances::Comparison;
+use super::{Attribute, Mesh, NONE, Tolerances};
+
+/// Wedges of a point that a vertex is compared with, the lowest first: enough for any corner of a real model, and few
+/// enough that a point of very many wedges costs no square of their number.
+const MOST_COMPARED: usize = 64;
 
 /// Points and wedges of a mesh. Built in O(n) expected time; 12 bytes a vertex.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,8 +25,18 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Welds the vertices of a mesh.
+    /// Welds the vertices of a mesh, by equality bit for bit.
     pub fn new(mesh: &Mesh) -> Self {
+        Self::with(mesh, &Tolerances::exact())
+    }
+
+    /// Welds the vertices of a mesh: at each point, wedges that agree within the tolerances are one.
+    ///
+    /// In the order of their numbers, each vertex joins the lowest earlier vertex that names a wedge and agrees with it,
+    /// or names a wedge itself. So every wedge lies within the tolerances of the vertex that names it, however closely
+    /// the values of a ring of vertices follow each other. Of a point's wedges the 64 lowest are compared; to later
+    /// ones only equal vertices are welded. Points are exact: [`Tolerances::position`] is not looked at.
+    pub fn with(mesh: &Mesh, tolerances: &Tolerances) -> Self {
         let positions: Vec<[u32; 3]> = mesh.positions().iter().map(|p| p.map(position_word)).collect();
         let leader = group(positions.len(), |v| hash(positions[v]), |a, b| positions[a] == positions[b]);
 
@@ -37,17 +53,43 @@ impl Topology {
         let wedge_of = if vertex_of_point.len() == leader.len() {
             leader
         } else {
-            let same = |a: usize, b: usize| {
-                leader[a] == leader[b]
-                    && mesh.attributes().iter().all(|x| x.words(a as u32) == x.words(b as u32))
-            };
+            let comparison = Comparison::new(mesh, tolerances);
+            let same = |a: usize, b: usize| leader[a] == leader[b] && comparison.equal(a as u32, b as u32);
             let hash_of = |v: usize| {
-                let values = mesh.attributes().iter().flat_map(|a| a.words(v as u32));
-                values.fold(mix(u64::from(leader[v])), |h, &w| mix(h ^ u64::from(w)))
+                comparison.words(v as u32).fold(mix(u64::from(leader[v])), |h, w| mix(h ^ u64::from(w)))
             };
-            group(leader.len(), hash_of, same)
+            let mut wedge_of = group(leader.len(), hash_of, same);
+            if !comparison.is_exact() {
+                join_near(&mut wedge_of, &point_of, vertex_of_point.len(), |a, b| comparison.near(a, b));
+            }
+            wedge_of
         };
         Self { point_of, wedge_of, vertex_of_point }
+    }
+
+    /// The same with points merged: `twin` names for each point an earlier one, or itself. At a point of several places the
+    /// place is that of the lowest vertex. Wedges that agree within the tolerances become one. O(vertices).
+    pub(crate) fn with_twins(&self, mesh: &Mesh, tolerances: &Tolerances, twin: &[u32]) -> Self {
+        let mut number = vec![NONE; twin.len()];
+        let mut vertex_of_point = Vec::with_capacity(twin.len());
+        for (point, &to) in twin.iter().enumerate() {
+            if to as usize == point {
+                number[point] = vertex_of_point.len() as u32;
+                vertex_of_point.push(self.vertex_of_point[point]);
+            } else {
+                number[point] = number[to as usize];
+            }
+        }
+        let point_of: Vec<u32> = self.point_of.iter().map(|&point| number[point as usize]).collect();
+        let mut wedge_of = self.wedge_of.clone();
+        let comparison = Comparison::new(mesh, tolerances);
+        join_near(&mut wedge_of, &point_of, vertex_of_point.len(), |a, b| comparison.near(a, b));
+        Self { point_of, wedge_of, vertex_of_point }
+    }
+
+    /// The points of three vertices.
+    pub(super) fn points(&self, corners: [u32; 3]) -> [u32; 3] {
+        corners.map(|v| self.point_of[v as usize])
     }
 
     /// Number of distinct positions.
@@ -65,7 +107,8 @@ impl Topology {
         &self.point_of
     }
 
-    /// The lowest vertex equal to each vertex in position and all attributes: the name of its wedge.
+    /// The vertex that names the wedge of each vertex: the lowest one equal to it in position and all attributes, or
+    /// within the tolerances of it.
     pub fn wedge_of(&self) -> &[u32] {
         &self.wedge_of
     }
@@ -88,6 +131,33 @@ impl Topology {
     /// The lowest vertex at every point.
     pub fn vertex_of_point(&self) -> &[u32] {
         &self.vertex_of_point
+    }
+}
+
+/// Joins wedges of a point that are near each other: each to the lowest that keeps its name. O(wedges).
+fn join_near(wedge_of: &mut [u32], point_of: &[u32], points: usize, near: impl Fn(u32, u32) -> bool) {
+    // Per point the wedges that keep their names, in order: first and last, and per wedge the next.
+    let mut ends = vec![[NONE; 2]; points];
+    let mut next = vec![NONE; wedge_of.len()];
+    for vertex in 0..wedge_of.len() as u32 {
+        let named = wedge_of[vertex as usize];
+        if named != vertex {
+            // Its own wedge has a lower number, so it is settled.
+            wedge_of[vertex as usize] = wedge_of[named as usize];
+            continue;
+        }
+        let [first, last] = &mut ends[point_of[vertex as usize] as usize];
+        let some = |wedge: u32| (wedge != NONE).then_some(wedge);
+        let kept = std::iter::successors(some(*first), |&wedge| some(next[wedge as usize]));
+        let lowest = kept.take(MOST_COMPARED).find(|&wedge| near(wedge, vertex));
+        match lowest {
+            Some(wedge) => wedge_of[vertex as usize] = wedge,
+            None if *first == NONE => [*first, *last] = [vertex; 2],
+            None => {
+                next[*last as usize] = vertex;
+                *last = vertex;
+            }
+        }
     }
 }
 

@@ -14,6 +14,7 @@
 //! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
 //! | `parametric.rs` | [`parametric_deviation`]: how far points travel under a sequence's collapses |
 //! | `texture.rs` | [`texture_deviation`]: how far the texture slides |
+//! | `nearest.rs` | [`SurfacePoint`]: samples of a surface, and its nearest points |
 //! | `sums.rs` | mean, root mean square and maximum |
 //! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
 //! | `intersections.rs` | [`self_intersections`]: how often a surface crosses itself |
@@ -36,6 +37,7 @@ mod hash;
 mod images;
 mod intersections;
 mod maximum;
+mod nearest;
 mod normal_deviation;
 mod normals;
 pub mod palette;
@@ -56,6 +58,7 @@ pub use distance::{Distance, DistanceOptions, OneSided, distance, vertex_distanc
 pub use error::QualityError;
 pub use images::{ImageDifference, ImageOptions, ReferenceImages, image_difference};
 pub use intersections::self_intersections;
+pub use nearest::SurfacePoint;
 pub use normal_deviation::{Angles, NormalDeviation, OneSidedNormals, normal_deviation};
 pub use parametric::{ParametricDeviation, parametric_deviation};
 pub use picture::Picture;

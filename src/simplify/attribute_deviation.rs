@@ -34,7 +34,7 @@ pub(super) fn deviations(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Att
 }
 
 fn one(mesh: &Mesh, level: &Mesh, source: &Attribute, places: &[Place]) -> Option<AttributeDeviation> {
-    let target = level.attribute(source.name())?.as_floats()?;
+    let target = level.attribute(source.name()).filter(|a| a.width() == source.width())?.as_floats()?;
     let (values, width) = (source.as_floats()?, source.width());
     let is_normal = source.name() == names::NORMAL && width == 3;
     let is_texture = names::is_set_of(source.name(), names::UV) && width == 2;

@@ -10,6 +10,7 @@
 use glam::Vec3;
 
 use super::classify::kind;
+use super::engine::HUB;
 use super::metric::{ErrorMetric, Pair};
 use super::placement::Placement;
 use super::surface::Surface;
@@ -130,6 +131,12 @@ impl<M: ErrorMetric> Judge<'_, M> {
             (rank, bits & kind::FEATURE)
         };
         let (lost, kept) = (held(pair.lost), held(pair.kept));
+        let hub = |point: u32| self.surface.valence(point) > HUB;
+        if lost == kept && (hub(pair.lost) || hub(pair.kept)) {
+            // A hub stays, so that what is merged into it costs no more than its own few triangles.
+            let turned = self.surface.valence(pair.lost) > self.surface.valence(pair.kept);
+            return (if turned { Pair { lost: pair.kept, kept: pair.lost } } else { pair }, true);
+        }
         if lost.0 > kept.0 {
             (Pair { lost: pair.kept, kept: pair.lost }, true)
         } else {

@@ -5,29 +5,45 @@
 
 use crate::mesh::NONE;
 
+use super::sheets::{LayerEdge, edge_between};
 use super::surface::{Corner, Surface};
 
 /// What a point is, as bits.
 pub(crate) mod kind {
     /// On an open border.
-    pub const BORDER: u8 = 1;
+    pub const BORDER: u16 = 1;
     /// On an edge of three or more triangles, or where several fans meet.
-    pub const NON_MANIFOLD: u8 = 2;
+    pub const NON_MANIFOLD: u16 = 2;
     /// On an edge across which the wedge changes.
-    pub const SEAM: u8 = 4;
+    pub const SEAM: u16 = 4;
     /// On an edge between two materials.
-    pub const MATERIAL: u8 = 8;
+    pub const MATERIAL: u16 = 8;
     /// Locked by the caller.
-    pub const LOCKED: u8 = 16;
+    pub const LOCKED: u16 = 16;
     /// Exactly two feature edges meet here: it may slide along them.
-    pub const CURVE: u8 = 32;
+    pub const CURVE: u16 = 32;
     /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
-    pub const IRREGULAR: u8 = 64;
+    pub const IRREGULAR: u16 = 64;
+    /// Its triangles name several vertices. May stay set where they no longer do.
+    pub const WEDGES: u16 = 128;
+    /// On a curve of the input, or on what became of one (`curves.rs`).
+    pub const ON_CURVE: u16 = 256;
     /// Any edge that must stay an edge.
-    pub const FEATURE: u8 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
+    pub const FEATURE: u16 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
 impl Surface {
+    /// Whether edges of this kind must stay edges.
+    pub(crate) fn holds(&self, bit: u16) -> bool {
+        self.held & bit != 0
+    }
+
+    /// Lets edges of this kind go: from now on they count as ordinary ones. O(corners).
+    pub(super) fn release(&mut self, bit: u16) {
+        self.held &= !bit;
+        self.classify();
+    }
+
     /// Finds what every point is. O(corners).
     pub(super) fn classify(&mut self) {
         self.scratch.seen = vec![Seen::default(); self.positions.len()];
@@ -89,14 +105,34 @@ impl Surface {
 
     /// Finds what a point is by one walk over its star, with marks: O(valence).
     fn classify_point(&mut self, point: u32) {
-        if self.corner_vertices.is_empty() && self.materials.is_empty() && self.is_plain_ring(point) {
-            self.kinds[point as usize] &= kind::LOCKED;
+        let is_bare = self.corner_vertices.is_empty() && self.materials.is_empty() && !self.has_sheets();
+        if is_bare && self.is_plain_ring(point) {
+            self.kinds[point as usize] &= kind::LOCKED | kind::ON_CURVE;
             return;
         }
+        self.kinds[point as usize] = self.walk_star(point, self.held);
+    }
+
+    /// What a point would be if edges of every kind had to stay. O(valence).
+    pub(super) fn kind_if_held(&mut self, point: u32) -> u16 {
+        self.walk_star(point, kind::FEATURE)
+    }
+
+    /// What a point is where edges of the kinds in `held` must stay.
+    fn walk_star(&mut self, point: u32, held: u16) -> u16 {
         let mut seen = std::mem::take(&mut self.scratch.seen);
         let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
         neighbours.clear();
+        let mut wedge = NONE;
+        let mut wedges = 0;
         for corner in self.star(point) {
+            if self.has_seams() {
+                for layer in self.layers(corner.triangle) {
+                    let own = layer.vertices[corner.slot as usize];
+                    wedges |= if wedge != NONE && wedge != own { kind::WEDGES } else { 0 };
+                    wedge = own;
+                }
+            }
             for side in 0..2 {
                 let n = corner.others[side];
                 let entry = &mut seen[n as usize];
@@ -104,6 +140,9 @@ impl Surface {
                     neighbours.push(n);
                     entry.first = self.edge_vertices(corner, side);
                     entry.material = self.material(corner.triangle);
+                    entry.triangle = corner.triangle;
+                } else if self.has_sheets() {
+                    entry.bits |= self.sheet_edge([entry.triangle, corner.triangle], [point, n]);
                 } else {
                     let seam = self.edge_vertices(corner, side) != entry.first;
                     let border = self.material(corner.triangle) != entry.material;
@@ -116,13 +155,14 @@ impl Surface {
                 }
             }
         }
-        let (mut bits, mut features) = (self.kinds[point as usize] & kind::LOCKED, 0u32);
+        let (mut bits, mut features) =
+            (self.kinds[point as usize] & (kind::LOCKED | kind::ON_CURVE) | wedges, 0u32);
         for &n in &neighbours {
             let entry = &seen[n as usize];
             let edge = match entry.count {
                 1 => kind::BORDER,
-                2 => entry.bits,
-                _ => entry.bits | kind::NON_MANIFOLD,
+                2 => entry.bits & held,
+                _ => entry.bits & held | kind::NON_MANIFOLD,
             };
             bits |= edge | if entry.next == 1 { 0 } else { kind::IRREGULAR };
             features += u32::from(edge != 0);
@@ -137,12 +177,12 @@ impl Surface {
             features += if single { 0 } else { 3 };
         }
         bits |= if features == 2 { kind::CURVE } else { 0 };
-        self.kinds[point as usize] = bits;
         for &n in &neighbours {
             seen[n as usize] = Seen::default();
         }
         self.scratch.seen = seen;
         self.scratch.neighbours = neighbours;
+        bits
     }
 
     /// Triangles around a point that can be reached from the first across shared edges: fewer than its valence where
@@ -169,7 +209,12 @@ impl Surface {
     }
 
     /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
-    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u8> {
+    pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u16> {
+        self.edge_kind_if_held(u, v).map(|bits| bits & self.held)
+    }
+
+    /// What an edge would be if edges of every kind had to stay.
+    pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u16> {
         // From the side with fewer triangles: the other may be a hub.
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
@@ -181,6 +226,9 @@ impl Surface {
             let ends = self.edge_vertices(corner, side);
             match first {
                 None => first = Some((corner, ends)),
+                Some((other, _)) if self.has_sheets() => {
+                    bits |= self.sheet_edge([other.triangle, corner.triangle], [u, v]);
+                }
                 Some((other, other_ends)) => {
                     bits |= if ends != other_ends { kind::SEAM } else { 0 };
                     let differ = self.material(corner.triangle) != self.material(other.triangle);
@@ -199,18 +247,35 @@ impl Surface {
     /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
     /// edge of many triangles the third tells.
     pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
+        if self.has_sheets() {
+            return self.edge_kind(u, v).is_some_and(|kind| kind != 0);
+        }
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(u32, [u32; 2])> = None;
         let mut count = 0;
         for corner in self.star(u) {
             let Some(side) = corner.others.iter().position(|&o| o == v) else { continue };
             count += 1;
-            let (material, ends) = (self.material(corner.triangle), self.edge_vertices(corner, side));
+            let material = if self.holds(kind::MATERIAL) { self.material(corner.triangle) } else { 0 };
+            let ends = if self.holds(kind::SEAM) { self.edge_vertices(corner, side) } else { [0; 2] };
             if count > 2 || *first.get_or_insert((material, ends)) != (material, ends) {
                 return true;
             }
         }
         count == 1
+    }
+
+    /// What the edge between two points is by the sheets of two triangles on it, as `kind` bits.
+    fn sheet_edge(&self, triangles: [u32; 2], [u, v]: [u32; 2]) -> u16 {
+        let [before, beyond] = triangles.map(|triangle| {
+            let corners = self.triangle(triangle).unwrap_or([NONE; 3]);
+            let [a, b] = [u, v].map(|end| corners.iter().position(|&p| p == end).unwrap_or(0));
+            let forward = (a + 1) % 3 == b;
+            self.layers(triangle).map(move |layer| -> LayerEdge {
+                (forward != layer.opposite, [layer.vertices[a], layer.vertices[b]], layer.material)
+            })
+        });
+        edge_between(before, beyond)
     }
 
     /// The vertices of `corner`'s point and of its other number `side`.
@@ -244,5 +309,7 @@ pub(super) struct Seen {
     follow: u32,
     first: [u32; 2],
     material: u32,
-    bits: u8,
+    /// The first triangle with this neighbour.
+    triangle: u32,
+    bits: u16,
 }

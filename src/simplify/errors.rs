@@ -1,7 +1,8 @@
-//! How the error of a step is found: by the distance that points have travelled, or by witnesses.
+//! How the error of a step is found: by the distance that points have travelled, or by witnesses on surface and curves.
 
 use glam::Vec3;
 
+use super::curve_witness::CurveWitnesses;
 use super::metric::Pair;
 use super::options::ErrorMeasure;
 use super::patch::Patch;
@@ -9,62 +10,105 @@ use super::surface::Surface;
 use super::travel::Travel;
 use super::witness::Witnesses;
 
+/// Deviations up to this are rounding and count as none, inner units: a few units in the last place of the coordinates,
+/// at most 5e-7 of the diagonal.
+const ROUNDING: f32 = 1.0 / 4_194_304.0;
+
+/// How far a step takes the level from the input, inner units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Deviation {
+    pub surface: f32,
+    pub curve: f32,
+}
+
+impl Deviation {
+    fn new(surface: f32, curve: f32) -> Self {
+        let clean = |x: f32| if x > ROUNDING { x } else { 0.0 };
+        Self { surface: clean(surface), curve: clean(curve) }
+    }
+
+    /// The larger of both.
+    pub fn largest(self) -> f32 {
+        self.surface.max(self.curve)
+    }
+}
+
 /// How the error of a step is found.
 pub(super) enum Errors {
+    /// Bounds surface and curves alike.
     Travel(Travel),
-    Witnesses(Box<Witnesses>),
+    Witnesses(Box<Witnesses>, Box<CurveWitnesses>),
 }
 
 impl Errors {
     pub fn new(surface: &Surface, measure: ErrorMeasure) -> Self {
         match measure {
             ErrorMeasure::Travel => Self::Travel(Travel::new(surface)),
-            _ => Self::Witnesses(Box::new(Witnesses::new(surface, measure == ErrorMeasure::Verified))),
+            _ => Self::Witnesses(
+                Box::new(Witnesses::new(surface, measure == ErrorMeasure::Verified)),
+                Box::new(CurveWitnesses::new(surface)),
+            ),
         }
     }
 
-    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Travel(travel) => travel.measure(surface, pair, x),
-            Self::Witnesses(witnesses) => witnesses.measure(surface, patch, pair, x),
+            Self::Travel(travel) => both(travel.measure(surface, pair, x)),
+            Self::Witnesses(witnesses, curves) => {
+                let apart = witnesses.measure(surface, patch, pair, x);
+                let concerns = curves.concerns(surface, pair, x);
+                let curve = if concerns { curves.measure(surface, pair, x).worst.sqrt() } else { 0.0 };
+                Deviation::new(apart, curve)
+            }
         }
     }
 
-    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Travel(travel) => travel.merge(surface, pair, x),
-            Self::Witnesses(witnesses) => witnesses.hand_over(surface, patch, pair, x),
+            Self::Travel(travel) => both(travel.merge(surface, pair, x)),
+            Self::Witnesses(witnesses, curves) => {
+                let apart = witnesses.hand_over(surface, patch, pair, x);
+                let concerns = curves.concerns(surface, pair, x);
+                let curve = if concerns { curves.hand_over(surface, pair, x).worst.sqrt() } else { 0.0 };
+                Deviation::new(apart, curve)
+            }
         }
     }
 
-    /// The integral of squared distance that a collapse adds, each input point standing for its share of the area.
+    /// The integral of squared distance that a collapse adds, each point of the input standing for its share of the
+    /// area, on the surface and once more on a curve.
     pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
         match self {
             Self::Travel(_) => None,
-            Self::Witnesses(witnesses) => Some(witnesses.added(surface, patch, pair, x)),
+            Self::Witnesses(witnesses, curves) => {
+                let concerns = curves.concerns(surface, pair, x);
+                let curve = if concerns { curves.measure(surface, pair, x).added } else { 0.0 };
+                Some(witnesses.added(surface, patch, pair, x) + curve * witnesses.share())
+            }
         }
     }
 
     /// The error of a part of `points` that vanishes, and is taken for the point `into`; `nearest` gives the squared
-    /// distance of a position to what is left near it, and the triangle that has it.
+    /// distance of a position to what is left near it, and the triangle that has it. Curves of the part go with it: they
+    /// are as far from what is left as its surface.
     pub fn measure_vanishing(
         &mut self,
         surface: &Surface,
         points: &[u32],
         into: u32,
         nearest: impl FnMut(Vec3) -> (f32, u32),
-    ) -> f32 {
+    ) -> Deviation {
         match self {
-            Self::Travel(travel) => travel.measure_vanishing(surface, points, into),
-            Self::Witnesses(witnesses) => witnesses.measure_vanishing(surface, points, nearest),
+            Self::Travel(travel) => both(travel.measure_vanishing(surface, points, into)),
+            Self::Witnesses(witnesses, _) => both(witnesses.measure_vanishing(surface, points, nearest)),
         }
     }
 
     /// Takes down that a part vanishes, just before it does and after it was measured: its error.
-    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> Deviation {
         match self {
-            Self::Travel(travel) => travel.vanish(surface, points, into),
-            Self::Witnesses(witnesses) => witnesses.vanish(surface, points),
+            Self::Travel(travel) => both(travel.vanish(surface, points, into)),
+            Self::Witnesses(witnesses, _) => both(witnesses.vanish(surface, points)),
         }
     }
 
@@ -72,8 +116,13 @@ impl Errors {
     pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
         let handed = match self {
             Self::Travel(_) => &[][..],
-            Self::Witnesses(witnesses) => witnesses.handed(),
+            Self::Witnesses(witnesses, _) => witnesses.handed(),
         };
         handed.iter().map(|&(_, _, triangle)| triangle)
     }
+}
+
+/// A bound for surface and curves.
+fn both(bound: f32) -> Deviation {
+    Deviation { surface: bound, curve: bound }
 }

@@ -15,6 +15,8 @@ use crate::mesh::{Mesh, NONE};
 
 /// Rounds of looking around the nearest triangle so far.
 const ROUNDS: usize = 4;
+/// A squared height over a triangle, as a share of its squared length, that no other triangle can be nearer than by much.
+const CLOSE: f64 = 0.01;
 /// Triangles around a vertex that are looked at; of hubs no more.
 const MOST: usize = 64;
 
@@ -87,6 +89,23 @@ impl Stars {
     }
 
     fn place(&self, level: &Mesh, point: DVec3, corners: [u32; 3]) -> Place {
+        let ends = |triangle: u32| level.triangles()[triangle as usize].map(|v| at(level, v));
+        // Mostly the point lies close over a triangle of these, and no side need be asked.
+        let mut over = (f64::INFINITY, Place { triangle: NONE, weights: [0.0; 3] });
+        for (i, &vertex) in corners.iter().enumerate() {
+            if vertex != NONE && !corners[..i].contains(&vertex) {
+                for &triangle in self.of(vertex).iter().take(MOST) {
+                    if let Some((weights, height)) = inside(point, ends(triangle)) {
+                        if height < over.0 {
+                            over = (height, Place { triangle, weights: weights.map(|w| w as f32) });
+                        }
+                    }
+                }
+            }
+        }
+        if over.0 < CLOSE {
+            return over.1;
+        }
         let mut best = (f64::INFINITY, Place { triangle: NONE, weights: [0.0; 3] });
         let mut seen = [NONE; 3 * (ROUNDS + 1)];
         let mut count = 0;
@@ -100,8 +119,7 @@ impl Stars {
                 seen[count] = vertex;
                 count += 1;
                 for &triangle in self.of(vertex).iter().take(MOST) {
-                    let ends = level.triangles()[triangle as usize].map(|v| at(level, v));
-                    let (weights, distance) = nearest(point, ends);
+                    let (weights, distance) = nearest(point, ends(triangle));
                     if distance < best.0 {
                         best = (distance, Place { triangle, weights: weights.map(|w| w as f32) });
                     }
@@ -114,6 +132,22 @@ impl Stars {
         }
         best.1
     }
+}
+
+/// Weights of the point of a triangle that lies under `p`, and the squared height of `p` over the squared length of the
+/// triangle's longest side; `None` where `p` lies over none.
+#[inline]
+fn inside(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64)> {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(ac);
+    let square = normal.length_squared();
+    let (v, w) = (ap.cross(ac).dot(normal), ab.cross(ap).dot(normal));
+    if v < 0.0 || w < 0.0 || v + w > square || square <= 0.0 {
+        return None;
+    }
+    let (v, w) = (v / square, w / square);
+    let longest = ab.length_squared().max(ac.length_squared()).max((c - b).length_squared());
+    Some(([1.0 - v - w, v, w], ap.dot(normal).powi(2) / (square * longest)))
 }
 
 /// Weights of the point of a triangle that is nearest to `p`, and its squared distance.

@@ -8,6 +8,11 @@
 //! A vertex is only ever substituted by one that is removed later, so in this numbering every parent is lower than its
 //! children. Two vertices become one at the lower of the two children through which their paths reach their lowest
 //! common ancestor; skew-binary jump pointers (Myers 1983) find it in O(log n) however long the chains are.
+//!
+//! A triangle is degenerate, and in no level, where two of its corners lie at one place in the input: as one vertex or as
+//! two wedges. So it is for the simplifier, which works on points.
+
+use std::borrow::Cow;
 
 use crate::mesh::{Mesh, NONE};
 
@@ -15,7 +20,8 @@ use super::sequence_check::expect;
 use super::{CollapseSequence, SequenceError};
 
 /// Vertices of a sequence by reverse order of removal, and the forest of their substitutions.
-pub(crate) struct Lineage {
+pub(crate) struct Lineage<'a> {
+    positions: Cow<'a, [[f32; 3]]>,
     /// The sequence's vertex of every number.
     pub order: Vec<u32>,
     /// The number of every vertex of the sequence.
@@ -29,11 +35,11 @@ pub(crate) struct Lineage {
     forest: Forest,
 }
 
-impl Lineage {
+impl<'a> Lineage<'a> {
     /// Reads a sequence against the mesh it was made from. O(vertices + substitutions + triangles).
     ///
     /// Nothing in the sequence is trusted: this is the one gate between it and every structure built from it.
-    pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
+    pub fn new(mesh: &'a Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
         let inputs = mesh.positions().len();
         expect("input vertices", sequence.input_vertices(), inputs)?;
         expect("input triangles", sequence.input_triangles(), mesh.triangles().len())?;
@@ -82,10 +88,11 @@ impl Lineage {
             }
         }
 
+        let positions = sequence.placed(mesh);
         let fold = |v: u32| if removed[v as usize] == 0 { parent[v as usize] } else { v };
         for corners in mesh.triangles() {
             let corners = corners.map(fold);
-            if !is_degenerate(corners) {
+            if !meets_itself(&positions, corners) {
                 corners.iter().for_each(|&v| named[v as usize] = true);
             }
         }
@@ -109,7 +116,7 @@ impl Lineage {
         });
         let forest = Forest::new(parents.collect());
         let removed = order.iter().map(|&v| removed[v as usize]).collect();
-        Ok(Self { order, number, removed, roots, real, forest })
+        Ok(Self { positions, order, number, removed, roots, real, forest })
     }
 
     /// The number that takes the place of a number; its own where it stays.
@@ -123,11 +130,11 @@ impl Lineage {
         if self.removed[number as usize] == 0 { self.parent(number) } else { number }
     }
 
-    /// Steps after which a triangle of the input is gone: 0 where it is degenerate (duplicates folded), `NONE` where it
-    /// stays. O(log n).
+    /// Steps after which a triangle of the input is gone: 0 where two corners lie at one place, `NONE` where it stays.
+    /// O(log n).
     pub fn end(&self, triangle: [u32; 3]) -> u32 {
         let corners = triangle.map(|v| self.folded(v));
-        if is_degenerate(corners) {
+        if meets_itself(&self.positions, corners.map(|number| self.order[number as usize])) {
             return 0;
         }
         self.forest.vanishes(corners).map_or(NONE, |number| self.removed[number as usize])
@@ -193,6 +200,12 @@ impl Forest {
         }
         Some(a.min(b))
     }
+}
+
+/// Whether two corners of a triangle lie at one place: equal vertices, or different wedges of one point.
+fn meets_itself(positions: &[[f32; 3]], corners: [u32; 3]) -> bool {
+    let [a, b, c] = corners.map(|v| positions[v as usize]);
+    a == b || b == c || c == a
 }
 
 /// Whether a triangle has two equal corners.

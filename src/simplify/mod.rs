@@ -4,12 +4,14 @@
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/vanish.rs`: how a part goes; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins; `parts.rs`: separate parts; `near.rs`: what lies near |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `classify.rs`: borders, seams and the like; `patch.rs`: what one collapse would change |
-//! | `oracle.rs` | [`Oracle`]: which collapses are legal; `apart.rs`: whether the surface would cross itself |
+//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
+//! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed; `apart.rs`: whether the surface would cross itself |
+//! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
+//! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `grow.rs` | levels whose parts grow for those that vanished |
 //! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
@@ -17,23 +19,29 @@
 //! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
 //! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
 
+mod angles;
 mod apart;
 mod attribute_deviation;
 mod candidates;
 mod classify;
+mod curve_witness;
+mod curves;
 mod engine;
 mod errors;
 mod footprint;
 mod grow;
+mod keep_sides;
 mod lanes;
 pub(crate) mod lineage;
 pub mod metric;
 mod near;
+mod normals;
 mod options;
 pub mod oracle;
 mod pairs;
 mod parts;
 mod patch;
+mod permissive;
 mod placement;
 mod progressive;
 mod progressive_check;
@@ -45,19 +53,24 @@ mod report;
 mod sequence;
 mod sequence_build;
 mod sequence_check;
+mod sheets;
 mod simplifier;
 mod solved;
 mod stars;
 mod surface;
 mod travel;
+mod wedge_map;
+mod wedge_values;
 mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
 pub use grow::Growth;
 pub use metric::{Batch, ErrorMetric, Pair};
-pub use options::{AttributeWeights, ErrorMeasure, OptionError, Order, Parts, Progress, Target};
-pub use oracle::{Collapse, Oracle};
+pub use normals::{Normals, NormalsDone};
+pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Parts, Progress, Target};
+pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};
+pub use permissive::{GivenUp, Permissive};
 pub use placement::Placement;
 pub use progressive::{ProgressiveMesh, VertexSplit};
 pub use progressive_check::ProgressiveError;

@@ -28,13 +28,50 @@ pub enum ErrorMeasure {
     /// the surfaces in both directions and for how far textures slide, but a loose one where the surface is flat: the
     /// fastest, for a sequence of which only the order matters.
     Travel,
-    /// The largest distance of an input point from the level's surface, measured as the surface changes. Tight.
+    /// The largest distance of an input point from the level's surface, and of the curves of input and level from each
+    /// other, measured as they change. Tight.
     #[default]
     Measured,
     /// As `Measured`; and where the metric's costs are squared distances (the quadrics), a collapse that would move
     /// the input further from the surface than its cost foresaw waits until that is the cheapest. Levels of the same
     /// size lie up to a third closer to the input, for about twice the time.
     Verified,
+}
+
+/// Whether collapses are refused that would ruin the shape.
+///
+/// What is left when everything better is refused by a rule may be terrible: a wall that folds into a corner while its
+/// ornaments stand. While on, a collapse is refused that would bring the error beyond what the triangles left explain,
+///
+/// ```text
+///     diagonal * max(1 / 100, 5 / (2 sqrt(triangles)))
+/// ```
+///
+/// where the diagonal is that of the box around the input's triangles and the triangles are those that the collapse would
+/// leave: some two and a half times the length that the edges of as many even triangles have. Of 60 models, scans down to
+/// 1 % of their triangles stay below `0.9 diagonal / sqrt(triangles)` and all levels that were asked for and reached
+/// below 2.4; levels that were ruined lie between 3 and 12. Other collapses go on, and what was refused is tried again
+/// as triangles go and the limit grows; where none is left, the simplification stops for
+/// [`StopReason::Guard`](super::StopReason::Guard). The limit holds also where no target is asked for, as for base
+/// meshes: below 7 triangles it allows anything.
+///
+/// The guard judges measured distances: it has no say with [`ErrorMeasure::Travel`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Guard {
+    /// Collapses that ruin are refused.
+    #[default]
+    On,
+    /// Whatever the rules allow is done.
+    Off,
+}
+
+impl Guard {
+    /// The largest error of a level of so many triangles, in the unit of the diagonal.
+    pub(super) fn limit(diagonal: f32, triangles: usize) -> f32 {
+        diagonal * (2.5 / (triangles.max(1) as f32).sqrt()).max(0.01)
+    }
 }
 
 /// What becomes of separate parts (points joined by triangles) that are as coarse as they get: leaves, pebbles, struts.

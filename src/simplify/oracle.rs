@@ -8,8 +8,9 @@ use crate::mesh::NONE;
 pub use super::apart::SelfIntersection;
 use super::classify::kind;
 use super::metric::Pair;
-use super::patch::{Facet, Patch};
+use super::patch::{Facet, Patch, quality};
 use super::surface::Surface;
+use super::wedge_map::WedgeMap;
 
 /// A collapse that an oracle is asked about.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +30,20 @@ impl Collapse<'_> {
     }
 }
 
+/// What an oracle looks at besides the surface. Where a point has many triangles, the whole patch is gathered only for
+/// candidates that nothing cheaper refuses.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Reads {
+    /// The pair and the position alone.
+    Pair,
+    /// The patch's facets, each by itself: a facet that is refused alone is refused among others.
+    Facets,
+    /// The patch as a whole.
+    #[default]
+    Patch,
+}
+
 /// A rule that says which collapses are legal.
 pub trait Oracle: Send + Sync {
     /// The name under which refusals are counted.
@@ -36,6 +51,17 @@ pub trait Oracle: Send + Sync {
 
     /// Whether the collapse may be done.
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool;
+
+    /// What the rule looks at. Default: the whole patch, which is always right.
+    fn reads(&self) -> Reads {
+        Reads::Patch
+    }
+
+    /// How many times dearer a candidate counts that this rule refuses: it waits until collapses of that cost are
+    /// due, and is done then. At least 1. Default `None`: what is refused is never done.
+    fn surcharge(&self) -> Option<f32> {
+        None
+    }
 
     /// Called before the first collapse on a surface. Whether the rule wants to be told of changes by
     /// [`changed`](Oracle::changed). Default: no.
@@ -75,6 +101,7 @@ pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
         Box::new(LinkCondition),
         Box::new(NormalFlip::default()),
         Box::new(TriangleQuality::default()),
+        Box::new(UvOrientation),
     ]
 }
 
@@ -90,6 +117,10 @@ impl Oracle for Locks {
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
         !surface.is_locked(collapse.pair.lost)
             && (!surface.is_locked(collapse.pair.kept) || collapse.keeps_position(surface))
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Pair
     }
 
     fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
@@ -118,6 +149,10 @@ impl Oracle for Borders {
         stays_on_curve(surface, collapse, kind::BORDER, slide)
     }
 
+    fn reads(&self) -> Reads {
+        Reads::Pair
+    }
+
     fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
         *self == Self::Slide || !points.iter().any(|&point| surface.is_border(point))
     }
@@ -131,7 +166,9 @@ impl Oracle for Borders {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NonManifold {
-    /// Points on a non-manifold edge move along that edge only; points where several fans or edges meet stay.
+    /// Curves of non-manifold edges are simplified along themselves, as borders are: a point on one moves along it only.
+    /// Points where several such curves meet, or one ends, stay. A point where fans meet that have no edge in common (a
+    /// pinch) moves with all its fans to a neighbour that is no such point and lies on no border.
     #[default]
     Slide,
     /// Non-manifold points stay as they are.
@@ -146,6 +183,11 @@ impl Oracle for NonManifold {
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
         let slide = *self == Self::Slide;
         stays_on_curve(surface, collapse, kind::NON_MANIFOLD, slide)
+            || slide && moves_pinch(surface, collapse)
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Pair
     }
 
     fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
@@ -169,6 +211,10 @@ impl Oracle for Materials {
     fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
         stays_on_curve(surface, collapse, kind::MATERIAL, true)
     }
+
+    fn reads(&self) -> Reads {
+        Reads::Pair
+    }
 }
 
 /// Seams and creases move along themselves only, and every wedge has exactly one to go to.
@@ -184,20 +230,44 @@ impl Oracle for Seams {
         if !surface.has_seams() {
             return true;
         }
+        if !surface.holds(kind::SEAM) {
+            // Wedges without a partner are chosen anew; but no two of the kept point become one for it.
+            let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
+            return either & kind::WEDGES == 0 || !WedgeMap::new(surface, collapse.pair).joins_kept();
+        }
         stays_on_curve(surface, collapse, kind::SEAM, true)
             && (surface.edge_kind(collapse.pair.lost, collapse.pair.kept).is_none()
                 || WedgeMap::new(surface, collapse.pair).is_complete())
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Pair
+    }
+}
+
+/// No triangle changes its orientation in texture space: what was mirrored stays mirrored, nothing else becomes it. Asked
+/// for every set of texture coordinates, with the wedges that the collapse would give to each triangle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct UvOrientation;
+
+impl Oracle for UvOrientation {
+    fn name(&self) -> &str {
+        "uv orientation"
+    }
+
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        surface.keeps_uv_sides(collapse.pair, collapse.position.into())
     }
 }
 
 /// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
 #[inline]
-fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
     either & bit == 0 || slides_along_curve(surface, collapse, bit, slide)
 }
 
-fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bool) -> bool {
+fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let slides = |pair: Pair| {
         let bits = surface.kind(pair.lost);
         if bits & bit == 0 {
@@ -214,67 +284,18 @@ fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u8, slide: bo
             || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost }))
 }
 
-/// Where every wedge of the lost point goes: to the wedge of the kept point that shares a triangle with it.
-///
-/// ```text
-///          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
-///      a  /  \ c             The triangles on the edge say a -> c and b -> d.
-///   lost ====== kept
-///      b  \  / d             A wedge without a triangle on the edge, or with two different ones, has nowhere
-///          w2                to go: then the collapse would tear or smear the seam.
-/// ```
-#[derive(Debug, Clone, Default)]
-pub(crate) struct WedgeMap {
-    /// `[from, to]`; a fixed few suffice for legal collapses, more are only counted.
-    pairs: [[u32; 2]; 8],
-    len: usize,
-    complete: bool,
-}
-
-impl WedgeMap {
-    /// The map of a pair joined by an edge.
-    pub fn new(surface: &Surface, pair: Pair) -> Self {
-        let mut map = Self { complete: true, ..Self::default() };
-        for corner in surface.star(pair.lost) {
-            let Some(side) = corner.others.iter().position(|&o| o == pair.kept) else { continue };
-            let vertices = surface.corner_vertices(corner.triangle);
-            let from = vertices[corner.slot as usize];
-            let to = vertices[(corner.slot as usize + 1 + side) % 3];
-            match map.get(from) {
-                Some(known) => map.complete &= known == to,
-                None => map.push(from, to),
-            }
-        }
-        for corner in surface.star(pair.lost) {
-            let from = surface.corner_vertices(corner.triangle)[corner.slot as usize];
-            map.complete &= map.get(from).is_some();
-        }
-        map
-    }
-
-    /// Whether every wedge has exactly one to go to.
-    pub fn is_complete(&self) -> bool {
-        self.complete
-    }
-
-    /// Where a wedge goes.
-    pub fn get(&self, from: u32) -> Option<u32> {
-        self.pairs().iter().find(|pair| pair[0] == from).map(|pair| pair[1])
-    }
-
-    /// All `[from, to]`.
-    pub fn pairs(&self) -> &[[u32; 2]] {
-        &self.pairs[..self.len]
-    }
-
-    fn push(&mut self, from: u32, to: u32) {
-        if self.len < self.pairs.len() {
-            self.pairs[self.len] = [from, to];
-            self.len += 1;
-        } else {
-            self.complete = false;
-        }
-    }
+/// Whether one end is a point of several fans and nothing else, and the other is free to become it.
+#[cold]
+fn moves_pinch(surface: &Surface, collapse: &Collapse) -> bool {
+    let is_pinch = |point: u32| {
+        let corners = || surface.star(point).flat_map(|corner| corner.others);
+        let is_non_manifold =
+            |other| surface.edge_kind(point, other).is_some_and(|edge| edge & kind::NON_MANIFOLD != 0);
+        surface.kind(point) & kind::FEATURE == kind::NON_MANIFOLD && !corners().any(is_non_manifold)
+    };
+    let is_free = |point: u32| surface.kind(point) & (kind::BORDER | kind::NON_MANIFOLD) == 0;
+    let Pair { lost, kept } = collapse.pair;
+    is_pinch(lost) && is_free(kept) || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
 }
 
 /// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1 in the reading that the only
@@ -326,14 +347,15 @@ impl Oracle for LinkCondition {
         }
         // Where nothing of the star survives, every edge left behind must hang on another triangle.
         !collapse.patch.facets_of_lost().is_empty()
-            || thirds.iter().all(|&third| edge_count(surface, kept, third) > 1)
+            || thirds.iter().all(|&third| is_shared_edge(surface, kept, third))
     }
 }
 
-fn edge_count(surface: &Surface, u: u32, v: u32) -> usize {
+/// Whether at least two triangles hang on an edge.
+fn is_shared_edge(surface: &Surface, u: u32, v: u32) -> bool {
     // Asked from the side with fewer triangles: the other may be a hub.
     let (from, to) = if surface.valence(u) <= surface.valence(v) { (u, v) } else { (v, u) };
-    surface.star(from).filter(|corner| corner.others.contains(&to)).count()
+    surface.star(from).filter(|corner| corner.others.contains(&to)).nth(1).is_some()
 }
 
 fn has_triangle(surface: &Surface, point: u32, a: u32, b: u32) -> bool {
@@ -415,28 +437,49 @@ impl Oracle for NormalFlip {
             dot * dot.abs() > cos_squared * before * after || before <= f32::MIN_POSITIVE
         })
     }
+
+    fn reads(&self) -> Reads {
+        Reads::Facets
+    }
 }
 
-/// Refuses collapses that make needles: the thinnest new triangle must reach `least`, or at least not be thinner than
-/// the thinnest it replaces.
+/// Keeps collapses that make needles waiting: the thinnest new triangle should reach `least`, or half the quality of
+/// the thinnest triangle that it and its like replace (needles in, needles out).
 ///
 /// The measure is `4 sqrt(3) area / (sum of squared sides)`: 1 for an equilateral triangle, 0 for one without area.
+///
+/// A thin triangle is no error: on a long box only thin triangles are exact. So the rule is no end of a simplification.
+/// What it refuses counts as 256 times dearer (about 16 times the distance), and is done once collapses of that cost
+/// are due; the report counts how often it was put off. [`strict`](TriangleQuality::strict) makes it a rule like the others.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleQuality {
     least: f32,
+    strict: bool,
 }
+
+/// What a new triangle may lose against the thinnest of those replaced.
+const THINNER: f32 = 0.5;
+/// How many times dearer a collapse counts that makes a needle.
+const NEEDLE_SURCHARGE: f32 = 256.0;
 
 impl Default for TriangleQuality {
     /// 0.01.
     fn default() -> Self {
-        Self { least: 0.01 }
+        Self::at_least(0.01)
     }
 }
 
 impl TriangleQuality {
-    /// New triangles must reach this quality, 0 (anything) to 1 (equilateral only).
+    /// New triangles should reach this quality, 0 (anything) to 1 (equilateral only).
     pub fn at_least(least: f32) -> Self {
-        Self { least }
+        Self { least, strict: false }
+    }
+
+    /// The same, but what it refuses is never done, and no new triangle is thinner than the thinnest that it and its like
+    /// replace: for meshes that must not get thin triangles, at the price of simplifications that miss their target.
+    #[must_use]
+    pub fn strict(self) -> Self {
+        Self { strict: true, ..self }
     }
 }
 
@@ -445,10 +488,22 @@ impl Oracle for TriangleQuality {
         "triangle quality"
     }
 
-    fn allows(&self, _: &Surface, collapse: &Collapse) -> bool {
-        collapse.patch.facets().iter().all(|facet| {
-            let quality = facet.quality_after();
-            quality >= self.least || quality >= facet.quality_before() && quality > 1e-4
-        })
+    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+        let patch = collapse.patch;
+        let thinnest = |of: fn(&Facet) -> f32| patch.facets().iter().map(of).fold(f32::INFINITY, f32::min);
+        let after = thinnest(Facet::quality_after);
+        if after >= self.least {
+            return true;
+        }
+        let dying = patch.thirds().iter().map(|&third| {
+            let [p, q, r] = [collapse.pair.lost, collapse.pair.kept, third].map(|point| surface.at(point));
+            quality((q - p).cross(r - p), q - p, r - p)
+        });
+        let thinner = if self.strict { 1.0 } else { THINNER };
+        after >= thinner * dying.fold(thinnest(Facet::quality_before), f32::min)
+    }
+
+    fn surcharge(&self) -> Option<f32> {
+        (!self.strict).then_some(NEEDLE_SURCHARGE)
     }
 }

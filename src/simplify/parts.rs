@@ -124,7 +124,7 @@ impl Parts {
         };
         for (t, part, [p, q, r], vector) in triangles() {
             let shape = &mut shapes[part];
-            live[part] += 1;
+            live[part] += 1 + surface.followers(t).len() as u32;
             shape.area += vector.length();
             shape.direction += vector;
             shape.centre += vector.length() * (p + q + r) / 3.0;

@@ -38,6 +38,14 @@ impl Facet {
         Self { triangle, others, a, b, before: normal, after: normal, back: Vec3::ZERO }
     }
 
+    /// A triangle whose first corner moves to `x`, from `back` relative to it.
+    #[inline]
+    fn moved(surface: &Surface, corner: Corner, x: Vec3, back: Vec3) -> Self {
+        let Corner { triangle, others, .. } = corner;
+        let [a, b] = others.map(|p| surface.at(p) - x);
+        Self { triangle, others, a, b, before: (a - back).cross(b - back), after: a.cross(b), back }
+    }
+
     /// Normals of twice the area's length, before and after the collapse.
     pub fn normals(&self) -> [[f32; 3]; 2] {
         [self.before.into(), self.after.into()]
@@ -58,7 +66,7 @@ impl Facet {
 
 /// Of a triangle with one corner at the origin.
 #[inline]
-fn quality(cross: Vec3, a: Vec3, b: Vec3) -> f32 {
+pub(super) fn quality(cross: Vec3, a: Vec3, b: Vec3) -> f32 {
     let sides = a.length_squared() + b.length_squared() + (b - a).length_squared();
     if sides > 0.0 { 2.0 * 3f32.sqrt() * cross.length() / sides } else { 0.0 }
 }
@@ -94,6 +102,21 @@ impl Patch {
         }
     }
 
+    /// Gathers at most so many facets of the lost point's star, spread over it, to ask whether any of them is refused.
+    pub(crate) fn sample(&mut self, surface: &Surface, pair: Pair, x: Vec3, most: usize) {
+        self.facets.clear();
+        self.thirds.clear();
+        self.sorted_thirds.clear();
+        let back = surface.at(pair.lost) - x;
+        let stride = surface.valence(pair.lost).div_ceil(most).max(1);
+        for corner in surface.star(pair.lost).step_by(stride) {
+            if !corner.others.contains(&pair.kept) {
+                self.facets.push(Facet::moved(surface, corner, x, back));
+            }
+        }
+        self.of_lost = self.facets.len();
+    }
+
     #[inline]
     fn add_star(&mut self, surface: &Surface, point: u32, other: u32, x: Vec3, thirds: bool) {
         let back = surface.at(point) - x;
@@ -105,16 +128,7 @@ impl Patch {
                 }
                 continue;
             }
-            let (a, b) = (surface.at(p) - x, surface.at(q) - x);
-            self.facets.push(Facet {
-                triangle: corner.triangle,
-                others: corner.others,
-                a,
-                b,
-                before: (a - back).cross(b - back),
-                after: a.cross(b),
-                back,
-            });
+            self.facets.push(Facet::moved(surface, corner, x, back));
         }
     }
 

@@ -15,6 +15,7 @@
 //! Slots are in order of refinement: a level is a prefix of the vertices and of the triangles. What lies beyond waits in
 //! the state in which it comes back, so a split writes the corners that move, and nothing else.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::mesh::{Mesh, NONE};
@@ -302,6 +303,9 @@ impl ProgressiveMesh {
 struct Slots<'a> {
     mesh: &'a Mesh,
     sequence: &'a CollapseSequence,
+    /// Positions of the input's vertices as snapped, and whether that is undone.
+    placed: Cow<'a, [[f32; 3]]>,
+    unsnapped: bool,
     /// The step that makes each new vertex.
     birth: Vec<u32>,
     /// Vertices of the input that nothing uses: they come with the last split.
@@ -331,6 +335,8 @@ impl<'a> Slots<'a> {
         let mut base = Self {
             mesh,
             sequence,
+            placed: sequence.placed(mesh),
+            unsnapped: sequence.is_empty(),
             birth,
             unused: &[],
             slot: vec![NONE; lineage.order.len()],
@@ -358,6 +364,9 @@ impl<'a> Slots<'a> {
     fn refine(&mut self, step: usize) {
         let sequence = self.sequence;
         let folds = if step == 0 { sequence.aliases() } else { &[] };
+        // Undoing the first step undoes snapping too.
+        let snapped: Vec<u32> = if step == 0 { self.snapped() } else { Vec::new() };
+        self.unsnapped = step == 0;
         let substitutions = sequence.substitutions(step);
         // First, since they may have duplicates, which part from them.
         if step == 0 {
@@ -387,7 +396,20 @@ impl<'a> Slots<'a> {
                 self.add(from);
             }
         }
+        for vertex in snapped {
+            let (fine, coarse) = (self.position(vertex), self.placed[vertex as usize]);
+            if fine.map(f32::to_bits) != coarse.map(f32::to_bits) {
+                self.places.push(Place { slot: self.slot[vertex as usize], fine, coarse });
+            }
+        }
         self.mark();
+    }
+
+    /// The snapped vertices that are in slots.
+    fn snapped(&self) -> Vec<u32> {
+        let vertices = self.sequence.snaps().iter().map(|snap| snap[0]);
+        let is_there = |&v: &u32| self.holder.get(self.slot[v as usize] as usize) == Some(&v);
+        vertices.filter(is_there).collect()
     }
 
     fn add(&mut self, vertex: u32) {
@@ -408,7 +430,8 @@ impl<'a> Slots<'a> {
 
     fn position(&self, vertex: u32) -> [f32; 3] {
         match self.sequence.origin(vertex) {
-            Origin::Input(v) => self.mesh.positions()[v as usize],
+            Origin::Input(v) if self.unsnapped => self.mesh.positions()[v as usize],
+            Origin::Input(v) => self.placed[v as usize],
             Origin::Blend(new) => new.position,
         }
     }

@@ -5,31 +5,36 @@ use std::ops::Range;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::metric::{Pair, Substitutions};
-use super::oracle::WedgeMap;
 use super::report::SimplifyReport;
 use super::sequence::{CollapseSequence, NewVertex};
 use super::surface::Surface;
+use super::wedge_map::WedgeMap;
 
 /// The sequence as it grows.
 pub(super) struct Recorder {
     input_vertices: u32,
     new_vertices: Vec<NewVertex>,
     aliases: Vec<[u32; 2]>,
+    snaps: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
+    /// Per step the errors of surface and curves; empty where the input has no curves.
+    parts: Vec<[f32; 2]>,
     triangles_after: Vec<u32>,
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
     live_vertices: usize,
-    /// Start and number of every point's wedges; empty where every point has one. A merge never leaves a point more
-    /// wedges than it had, so new ones take the old ones' places.
+    /// Start and number of every point's wedges; empty where every point has one.
     spans: Vec<[u32; 2]>,
     wedges: Vec<u32>,
+    /// Where the input's vertices lie, object units; empty unless a wedge may move.
+    positions: Vec<[f32; 3]>,
     /// The kept point's wedges and the vertex that each becomes, in the merge at hand.
     renamed: Vec<[u32; 2]>,
     /// Vertices and substitutions before the last merge.
     before: [usize; 2],
+    has_curves: bool,
 }
 
 impl Recorder {
@@ -38,15 +43,23 @@ impl Recorder {
         let aliases = (0..wedge_of.len() as u32)
             .filter(|&v| wedge_of[v as usize] != v)
             .map(|v| [v, wedge_of[v as usize]]);
+        let place = |v: u32| mesh.positions()[v as usize];
+        let leader = |v: u32| topology.vertex_of_point()[topology.point_of()[v as usize] as usize];
+        let snaps = (0..wedge_of.len() as u32)
+            .map(|v| [v, leader(v)])
+            .filter(|&[v, to]| wedge_of[v as usize] == v && place(v) != place(to));
         let mut used = vec![false; wedge_of.len()];
+        let mut triangle_end = vec![0; mesh.triangles().len()];
         for t in 0..surface.triangle_count() as u32 {
             if surface.triangle(t).is_some() {
-                surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
+                let vertices = surface.layers(t).flat_map(|layer| layer.vertices);
+                vertices.for_each(|v| used[v as usize] = true);
+                triangle_end[t as usize] = NONE;
+                surface.followers(t).iter().for_each(|&t| triangle_end[t as usize] = NONE);
             }
         }
         let (spans, wedges) =
             if surface.has_seams() { wedge_lists(topology, &used) } else { (Vec::new(), Vec::new()) };
-        let end = |t: usize| if surface.triangle(t as u32).is_some() { NONE } else { 0 };
         let steps = surface.point_count();
         let mut step_start = Vec::with_capacity(steps + 1);
         step_start.push(0);
@@ -56,17 +69,25 @@ impl Recorder {
             input_vertices: wedge_of.len() as u32,
             new_vertices: Vec::new(),
             aliases: aliases.collect(),
+            snaps: snaps.collect(),
             substitutions: Vec::with_capacity(steps),
             step_start,
             step_error: Vec::with_capacity(steps),
+            parts: Vec::new(),
             triangles_after,
-            triangle_end: (0..mesh.triangles().len()).map(end).collect(),
+            triangle_end,
             batch_end: Vec::new(),
             live_vertices: used.iter().filter(|&&u| u).count(),
+            positions: if surface.moves_wedges && !spans.is_empty() {
+                mesh.positions().to_vec()
+            } else {
+                Vec::new()
+            },
             spans,
             wedges,
             renamed: Vec::new(),
             before: [0; 2],
+            has_curves: !surface.curves().is_empty(),
         }
     }
 
@@ -123,47 +144,81 @@ impl Recorder {
     }
 
     fn substitute_wedges(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
-        let map = WedgeMap::new(surface, pair);
+        let map = WedgeMap::chosen(surface, pair);
         let [lost, kept] = [pair.lost, pair.kept].map(|point| self.wedges_of(point));
-        let first_kept = self.wedges[kept.clone()].first();
-        let Some(&anchor) = map.pairs().first().map(|p| &p[1]).or(first_kept) else { return };
-        // Without a side to go to, the seam ends here: all wedges become one.
-        let exact = map.is_complete() || map.pairs().is_empty();
-        let target = |a: u32| if exact { map.get(a).unwrap_or(anchor) } else { anchor };
+        let Some(&anchor) = self.wedges[kept.clone()].first() else { return };
+        // More wedges than are kept apart become one.
+        let all_one = map.overflows();
+        let root = |kept: u32| if all_one { anchor } else { map.root(kept) };
 
-        // What the kept wedges become.
+        // What the kept wedges become. Where they all stay there is nothing to do: a hub may have many.
         let mut renamed = std::mem::take(&mut self.renamed);
         renamed.clear();
-        for i in kept.clone() {
-            let b = self.wedges[i];
-            let b = if exact { b } else { anchor };
-            let known = renamed.iter().find(|r| r[0] == b);
+        let adds = map.pairs().iter().any(|pair| pair[0] == pair[1]);
+        let all_stay = renew.is_none() && !all_one && !map.joins_kept() && !adds;
+        for i in kept.filter(|_| !all_stay) {
+            let b = root(self.wedges[i]);
+            let known = renamed.iter().find(|r| r[0] == b).map(|r| r[1]);
             let to = match (renew, known) {
-                (None, _) => b,
-                (_, Some(&[_, to])) => to,
+                (_, Some(to)) => to,
+                (None, None) => b,
                 (Some((position, weight)), None) => {
-                    let partner = map.pairs().iter().find(|p| exact && p[1] == b).map_or(b, |p| p[0]);
-                    self.new_vertices.push(NewVertex { from: [partner, b], weight, position });
-                    self.vertex_count() as u32 - 1
+                    let partner = if all_one { None } else { map.partner(b) };
+                    self.make(NewVertex { from: [partner.unwrap_or(b), b], weight, position })
                 }
             };
-            renamed.push([b, to]);
+            if known.is_none() {
+                renamed.push([b, to]);
+            }
             if self.wedges[i] != to {
                 self.substitutions.push([self.wedges[i], to]);
             }
         }
         for i in lost {
             let a = self.wedges[i];
-            let b = target(a);
-            let to = renamed.iter().find(|r| r[0] == b).map_or(b, |r| r[1]);
+            let to = if all_one { Some(anchor) } else { map.get(a) };
+            let to = match to {
+                Some(own) if own == a && surface.moves_wedges => {
+                    let position = renew.map_or_else(|| self.position(anchor), |(position, _)| position);
+                    let moved = self.make(NewVertex { from: [a, a], weight: 0.0, position });
+                    renamed.push([a, moved]);
+                    moved
+                }
+                Some(b) if b != a => renamed.iter().find(|r| r[0] == b).map_or(b, |r| r[1]),
+                _ => renamed.first().map_or(anchor, |r| r[1]),
+            };
             self.substitutions.push([a, to]);
         }
-        let span = &mut self.spans[pair.kept as usize];
-        span[1] = if exact { span[1] } else { 1 };
-        for (i, &[_, to]) in kept.zip(&renamed).take(span[1] as usize) {
-            self.wedges[i] = to;
+        if !all_stay {
+            self.replace_wedges(pair.kept, &renamed);
         }
         self.renamed = renamed;
+    }
+
+    fn make(&mut self, vertex: NewVertex) -> u32 {
+        self.new_vertices.push(vertex);
+        self.vertex_count() as u32 - 1
+    }
+
+    /// Where a vertex lies, object units.
+    fn position(&self, vertex: u32) -> [f32; 3] {
+        match vertex.checked_sub(self.input_vertices) {
+            Some(new) => self.new_vertices[new as usize].position,
+            None => self.positions[vertex as usize],
+        }
+    }
+
+    /// Puts the second of each pair in the list of a point's wedges: in its old place where they fit.
+    fn replace_wedges(&mut self, point: u32, renamed: &[[u32; 2]]) {
+        let span = &mut self.spans[point as usize];
+        if renamed.len() > span[1] as usize {
+            span[0] = self.wedges.len() as u32;
+            self.wedges.resize(self.wedges.len() + renamed.len(), 0);
+        }
+        span[1] = renamed.len() as u32;
+        for (wedge, &[_, to]) in self.wedges[span[0] as usize..].iter_mut().zip(renamed) {
+            *wedge = to;
+        }
     }
 
     /// The substitutions of a part that vanishes: every vertex of `points` is taken for `into`. Asked before the surface
@@ -213,9 +268,12 @@ impl Recorder {
         start..start + count
     }
 
-    /// Ends the step: what it cost and what vanished.
-    pub fn finish_step(&mut self, error: f32, dead: &[u32], live: usize) {
-        self.step_error.push(error);
+    /// Ends the step: the errors of surface and curves, and what vanished.
+    pub fn finish_step(&mut self, [surface, curve]: [f32; 2], dead: &[u32], live: usize) {
+        self.step_error.push(surface.max(curve));
+        if self.has_curves {
+            self.parts.push([surface, curve]);
+        }
         self.step_start.push(self.substitutions.len() as u32);
         self.triangles_after.push(live as u32);
         let end = self.step_error.len() as u32;
@@ -232,24 +290,28 @@ impl Recorder {
         any
     }
 
-    /// The sequence, in the order it was recorded.
-    pub fn finish(self, report: SimplifyReport) -> CollapseSequence {
+    /// The sequence, in the order it was recorded, and per step the errors of surface and curves; none where the input
+    /// has no curves.
+    pub fn finish(self, report: SimplifyReport) -> (CollapseSequence, Vec<[f32; 2]>) {
         let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
             new_vertices: self.new_vertices,
             solved: Vec::new(),
             aliases: self.aliases,
+            snaps: self.snaps,
             substitutions: self.substitutions,
             step_start: self.step_start,
             step_error: self.step_error,
             max_error: Vec::new(),
+            surface_error: Vec::new(),
+            curve_error: Vec::new(),
             triangles_after: self.triangles_after,
             triangle_end: self.triangle_end,
             batch_end: self.batch_end,
             report,
         };
         sequence.accumulate_errors();
-        sequence
+        (sequence, self.parts)
     }
 }
 

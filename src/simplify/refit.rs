@@ -23,8 +23,9 @@ fn is_fitted(attribute: &Attribute) -> bool {
     by_itself && attribute.as_floats().is_some()
 }
 
-/// Fits the attributes of a level of a mesh, whose triangles lie at `places` on it. Locked vertices keep their values.
-pub(super) fn refit(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Attribute> {
+/// Fits the attributes of a level of a mesh, whose triangles lie at `places` on it; `origin` is the input triangle that each
+/// of the level's is the image of. Locked vertices keep their values, and no triangle's texture is mirrored by it.
+pub(super) fn refit(mesh: &Mesh, level: &Mesh, origin: &[u32], places: &[Place]) -> Vec<Attribute> {
     let mut attributes = level.attributes().to_vec();
     if !attributes.iter().any(is_fitted) || level.triangles().is_empty() {
         return attributes;
@@ -40,6 +41,9 @@ pub(super) fn refit(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Attribut
         // Vertices of one place and value are one: a seam of other attributes must not become one of this.
         let one_of = topology.equal_values(target);
         fit(mesh, level, source, target, &one_of, places, &areas);
+        if names::is_set_of(source.name(), names::UV) && source.width() == 2 {
+            unmirror(mesh, level, origin, source, target, &one_of);
+        }
         for vertex in 0..level.positions().len() {
             if locked(vertex) {
                 let width = source.width();
@@ -56,6 +60,50 @@ pub(super) fn refit(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Attribut
     }
     straighten_tangents(&mut attributes, |row| !locked(row));
     attributes
+}
+
+/// Gives triangles back their old texture coordinates where the new ones mirror them against the input and the old ones do
+/// not; and so on around them, until there are none. O(level) a round, and mostly one or two rounds.
+fn unmirror(
+    mesh: &Mesh,
+    level: &Mesh,
+    origin: &[u32],
+    source: &Attribute,
+    target: &mut Attribute,
+    one_of: &[u32],
+) {
+    let old = level.attribute(source.name()).and_then(|a| a.as_floats());
+    let (Some(input), Some(old), Some(new)) = (source.as_floats(), old, target.floats_mut()) else { return };
+    let mut is_old = vec![false; one_of.len()];
+    for round in 0..=UNMIRRORED {
+        let mut any = false;
+        for (&corners, &t) in level.triangles().iter().zip(origin) {
+            let way = texture_area(input, mesh.triangles()[t as usize]);
+            let turned = |uv: &[f32]| texture_area(uv, corners) * way.signum() < 0.0;
+            let last = round == UNMIRRORED;
+            if (last || way != 0.0 && turned(new) && !turned(old))
+                && corners.iter().any(|&v| !is_old[one_of[v as usize] as usize])
+            {
+                any = true;
+                corners.iter().for_each(|&v| is_old[one_of[v as usize] as usize] = true);
+            }
+        }
+        if !any {
+            break;
+        }
+        for vertex in (0..one_of.len()).filter(|&v| is_old[one_of[v] as usize]) {
+            new[2 * vertex..][..2].copy_from_slice(&old[2 * vertex..][..2]);
+        }
+    }
+}
+
+/// Rounds after which all texture coordinates stay as they were, should there still be mirrored triangles.
+const UNMIRRORED: usize = 16;
+
+/// Twice the signed area of a triangle's texture coordinates.
+fn texture_area(uv: &[f32], corners: [u32; 3]) -> f64 {
+    let [a, b, c] = corners.map(|v| [0, 1].map(|i| f64::from(uv[2 * v as usize + i])));
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 fn area(mesh: &Mesh, [a, b, c]: [u32; 3]) -> f64 {

@@ -9,8 +9,13 @@ use crate::mesh::NONE;
 use super::options::Limits;
 use super::sequence::CollapseSequence;
 
-/// Sorts the steps of every batch by rank, stably. O(steps + vertices + triangles).
-pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
+/// Sorts the steps of every batch by rank, stably, and `parts`, which has an entry per step or none; the steps' former
+/// numbers in the new order. O(steps + vertices + triangles).
+pub(super) fn sort_by_rank(
+    sequence: &mut CollapseSequence,
+    ranks: &[u32],
+    parts: &mut Vec<[f32; 2]>,
+) -> Vec<u32> {
     let steps = sequence.step_error.len();
     let mut order: Vec<u32> = (0..steps as u32).collect();
     let mut start = 0;
@@ -55,6 +60,9 @@ pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
     sequence.step_start = step_start;
     sequence.step_error = order.iter().map(|&step| sequence.step_error[step as usize]).collect();
     sequence.accumulate_errors();
+    if !parts.is_empty() {
+        *parts = order.iter().map(|&step| parts[step as usize]).collect();
+    }
 
     let mut gone = vec![0u32; steps + 1];
     for end in sequence.triangle_end.iter_mut().filter(|end| **end != 0 && **end != NONE) {
@@ -66,6 +74,7 @@ pub(super) fn sort_by_rank(sequence: &mut CollapseSequence, ranks: &[u32]) {
         left -= gone;
         *after = left;
     }
+    order
 }
 
 /// Cuts a sequence after the first step at which the targets are reached. `vertices` is how many a triangle uses at

@@ -9,10 +9,14 @@
 //! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
 //! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
 
-use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+use std::borrow::Cow;
 
+use crate::mesh::{Attribute, Blender, Mesh, NONE};
+
+use super::NormalsDone;
 use super::attribute_deviation::{AttributeDeviation, deviations};
 use super::footprint::{self, Place};
+use super::keep_sides::keep_sides;
 use super::refit::refit;
 use super::report::SimplifyReport;
 use super::solved::solve_new;
@@ -56,6 +60,8 @@ pub struct CollapseSequence {
     pub(crate) solved: Vec<String>,
     /// Duplicate vertices and the wedge each is folded into before the first step.
     pub(crate) aliases: Vec<[u32; 2]>,
+    /// Vertices and the one whose position each takes before the first step.
+    pub(crate) snaps: Vec<[u32; 2]>,
     pub(crate) substitutions: Vec<[u32; 2]>,
     /// Start of each step's substitutions; one more than steps.
     pub(crate) step_start: Vec<u32>,
@@ -63,6 +69,10 @@ pub struct CollapseSequence {
     pub(crate) step_error: Vec<f32>,
     /// Per step, the largest `step_error` so far.
     pub(crate) max_error: Vec<f32>,
+    /// Per step, the largest errors of the surface and of curves so far. Empty where there are no curves: then the
+    /// surface's are `max_error`, and those of curves 0.
+    pub(crate) surface_error: Vec<f32>,
+    pub(crate) curve_error: Vec<f32>,
     /// Triangles left after k steps; one more than steps.
     pub(crate) triangles_after: Vec<u32>,
     /// Per input triangle the number of steps after which it is gone; 0: degenerate in the input; MAX: never.
@@ -114,10 +124,29 @@ impl CollapseSequence {
         &self.new_vertices
     }
 
-    /// Duplicate vertices (equal in position and all attributes) as `[duplicate, kept]`, folded together before the
-    /// first step.
+    /// Duplicate vertices as `[duplicate, kept]`, folded together before the first step: equal in position and all
+    /// attributes, or within the [`Tolerances`](crate::mesh::Tolerances) of the simplification.
     pub fn aliases(&self) -> &[[u32; 2]] {
         &self.aliases
+    }
+
+    /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the
+    /// other, which nearly coincides with its own ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps
+    /// its attributes. None where the input has no cracks of that width.
+    pub fn snaps(&self) -> &[[u32; 2]] {
+        &self.snaps
+    }
+
+    /// The positions of the input's vertices from the first step on. O(1) where nothing is snapped.
+    pub(crate) fn placed<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
+        if self.snaps.is_empty() {
+            return Cow::Borrowed(mesh.positions());
+        }
+        let mut positions = mesh.positions().to_vec();
+        for &[vertex, to] in &self.snaps {
+            positions[vertex as usize] = mesh.positions()[to as usize];
+        }
+        Cow::Owned(positions)
     }
 
     /// The substitutions `[from, to]` of one step; none where there is no such step.
@@ -135,10 +164,25 @@ impl CollapseSequence {
         self.step_error.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The error bound of the whole mesh after `steps` steps (all, if there are fewer), object units: never decreases
-    /// with `steps`.
+    /// The error of the whole mesh after `steps` steps (all, if there are fewer), object units: the larger of the next
+    /// two. Never decreases with `steps`.
     pub fn error_after(&self, steps: usize) -> f32 {
         steps.min(self.len()).checked_sub(1).map_or(0.0, |last| self.max_error[last])
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is the surface's, object units.
+    pub fn surface_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        let known = last.and_then(|last| self.surface_error.get(last).copied());
+        known.unwrap_or_else(|| self.error_after(steps))
+    }
+
+    /// The part of [`error_after`](CollapseSequence::error_after) that is that of curves, object units: borders,
+    /// non-manifold edges, seams, borders between materials, and creases. See [`Simplifier`](super::Simplifier). 0 for
+    /// a sequence that was not made by one.
+    pub fn curve_error_after(&self, steps: usize) -> f32 {
+        let last = steps.min(self.len()).checked_sub(1);
+        last.and_then(|last| self.curve_error.get(last).copied()).unwrap_or(0.0)
     }
 
     /// Triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
@@ -207,14 +251,23 @@ impl CollapseSequence {
 
     /// The level of detail after `steps` steps (all, if there are fewer) as a mesh of its own, with attributes,
     /// materials and locks. Only vertices that a triangle uses are kept, in order of first use; after 0 steps the input
-    /// itself. Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
+    /// itself. Normals are recomputed or dropped as the report says; vertices between two smoothing groups are split then.
+    /// Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
     pub fn extract(&self, mesh: &Mesh, steps: usize) -> Mesh {
         if !self.fits(mesh) {
             return Mesh::default();
         }
         if steps == 0 {
-            return mesh.clone();
+            return match self.report.normals {
+                NormalsDone::Dropped => mesh.without_normals(),
+                _ => mesh.clone(),
+            };
         }
+        self.report.normals.finish(self.level(mesh, steps))
+    }
+
+    /// A level with one vertex for each of the sequence's: before normals are recomputed. The mesh fits.
+    fn level(&self, mesh: &Mesh, steps: usize) -> Mesh {
         let (mut triangles, origin) = self.triangles_at(mesh, steps);
         let mut number = vec![NONE; self.vertex_count()];
         let mut used = Vec::new();
@@ -251,12 +304,15 @@ impl CollapseSequence {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn extract_fitted(&self, mesh: &Mesh, steps: usize) -> Mesh {
-        let level = self.extract(mesh, steps);
         if steps == 0 || !self.fits(mesh) {
-            return level;
+            return self.extract(mesh, steps);
         }
-        let attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
-        level.with_attributes(attributes)
+        let level = self.level(mesh, steps);
+        let (triangles, origin) = self.triangles_at(mesh, steps);
+        let places = self.places(mesh, steps, &triangles, &level);
+        let mut attributes = refit(mesh, &level, &origin, &places);
+        keep_sides(level.positions(), level.triangles(), level.attributes(), &mut attributes);
+        self.report.normals.finish(level.with_attributes(attributes))
     }
 
     /// What the attributes of a level are off by, each in its own unit. `level` is what
@@ -266,12 +322,20 @@ impl CollapseSequence {
         if !self.fits(mesh) {
             return Vec::new();
         }
-        deviations(mesh, level, &self.places(mesh, steps, level))
+        let (triangles, _) = self.triangles_at(mesh, steps);
+        if steps == 0 || self.report.normals == NormalsDone::Kept {
+            return deviations(mesh, level, &self.places(mesh, steps, &triangles, level));
+        }
+        // Its vertices may be split, but its triangles are the same.
+        let places = self.places(mesh, steps, &triangles, &self.level(mesh, steps));
+        if places.is_empty() || level.triangles().len() != self.triangles_after(steps) {
+            return Vec::new();
+        }
+        deviations(mesh, level, &places)
     }
 
     /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
-    fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
-        let (triangles, _) = self.triangles_at(mesh, steps);
+    fn places(&self, mesh: &Mesh, steps: usize, triangles: &[[u32; 3]], level: &Mesh) -> Vec<Place> {
         if triangles.len() != level.triangles().len() {
             return Vec::new();
         }
@@ -298,6 +362,8 @@ impl CollapseSequence {
         self.report.triangles = self.triangles_after(steps);
         self.report.vertices = used.iter().filter(|&&used| used).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.surface_error_after(steps);
+        self.report.curve_error = self.curve_error_after(steps);
     }
 
     /// Takes the largest error so far from the errors of the steps.
@@ -310,6 +376,22 @@ impl CollapseSequence {
         self.max_error = so_far.collect();
     }
 
+    /// Tells errors of surface and curves apart, from those of each step (as many as steps, or more); `parts` may be
+    /// empty where there are no curves.
+    pub(crate) fn tell_apart(&mut self, parts: &[[f32; 2]]) {
+        let steps = self.len();
+        let largest = |part: usize| -> Vec<f32> {
+            let mut largest: f32 = 0.0;
+            let so_far = parts.iter().take(steps).map(|step| {
+                largest = largest.max(step[part]);
+                largest
+            });
+            so_far.collect()
+        };
+        self.surface_error = largest(0);
+        self.curve_error = largest(1);
+    }
+
     /// A mesh of the given vertices of this sequence.
     pub(crate) fn assemble(
         &self,
@@ -318,8 +400,9 @@ impl CollapseSequence {
         triangles: Vec<[u32; 3]>,
         materials: Vec<u32>,
     ) -> Mesh {
+        let placed = self.placed(mesh);
         let position = |v: u32| match self.origin(v) {
-            Origin::Input(v) => mesh.positions()[v as usize],
+            Origin::Input(v) => placed[v as usize],
             Origin::Blend(new) => new.position,
         };
         let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| position(v)).collect();
@@ -328,60 +411,23 @@ impl CollapseSequence {
         } else {
             vertices.iter().map(|&v| mesh.locks().get(v as usize).copied().unwrap_or(false)).collect()
         };
-        let mut attributes: Vec<Attribute> =
-            mesh.attributes().iter().map(|a| self.attribute(a, vertices)).collect();
-        solve_new(self, mesh, vertices, &mut attributes);
-        Mesh::from_trusted(positions, triangles, attributes, materials, mesh.material_names().to_vec(), locks)
-    }
-
-    /// The values of one attribute at the given vertices; new vertices blend floats and copy labels from the nearer.
-    fn attribute(&self, source: &Attribute, vertices: &[u32]) -> Attribute {
-        let width = source.width();
-        let label = |new: &NewVertex| new.from[usize::from(new.weight > 0.5)] as usize * width;
-        let values = match source.values() {
-            AttributeValues::Float(v) => {
-                AttributeValues::Float(self.arrange(v, width, vertices, |all, new| {
-                    let first = all.len();
-                    let [a, b] = new.from.map(|v| v as usize * width);
-                    for i in 0..width {
-                        let (a, b) = (all[a + i], all[b + i]);
-                        let same = new.weight == 0.0 || a.to_bits() == b.to_bits();
-                        all.push(if same { a } else { a + (b - a) * new.weight });
-                    }
-                    // Of one vertex only: that vertex's values as they are.
-                    if new.from[0] != new.from[1] {
-                        source.normalise_direction(&mut all[first..]);
-                    }
-                }))
-            }
-            AttributeValues::Int(v) => AttributeValues::Int(self.arrange(v, width, vertices, |all, new| {
-                all.extend_from_within(label(new)..label(new) + width);
-            })),
-            AttributeValues::Uint(v) => {
-                AttributeValues::Uint(self.arrange(v, width, vertices, |all, new| {
-                    all.extend_from_within(label(new)..label(new) + width);
-                }))
-            }
-        };
-        Attribute::new(source.name(), width, values)
-    }
-
-    /// The values at the given vertices; `make` appends those of each new vertex to all before it.
-    fn arrange<T: Copy>(
-        &self,
-        values: &[T],
-        width: usize,
-        vertices: &[u32],
-        make: impl Fn(&mut Vec<T>, &NewVertex),
-    ) -> Vec<T> {
-        let mut made;
-        let mut all = values;
-        if !self.new_vertices.is_empty() {
-            made = Vec::with_capacity(values.len() + self.new_vertices.len() * width);
-            made.extend_from_slice(values);
-            self.new_vertices.iter().for_each(|new| make(&mut made, new));
-            all = &made;
+        let mut attributes = self.attributes(mesh, vertices);
+        if !self.solved.is_empty() && !self.new_vertices.is_empty() {
+            let blended = attributes.clone();
+            solve_new(self, mesh, vertices, &mut attributes);
+            keep_sides(&positions, &triangles, &blended, &mut attributes);
         }
-        vertices.iter().flat_map(|&v| &all[v as usize * width..(v as usize + 1) * width]).copied().collect()
+        let names = mesh.material_names().to_vec();
+        Mesh::from_trusted(positions, triangles, attributes, materials, names, locks).at_origin_of(mesh)
+    }
+
+    /// The attributes of the given vertices. New ones are blended in order of creation: each may be a source of later ones.
+    fn attributes(&self, mesh: &Mesh, vertices: &[u32]) -> Vec<Attribute> {
+        if self.new_vertices.is_empty() {
+            return mesh.attributes().iter().map(|attribute| attribute.gather(vertices)).collect();
+        }
+        let mut blender = Blender::new(mesh.attributes(), self.new_vertices.len());
+        self.new_vertices.iter().for_each(|new| blender.push(new.from, new.weight));
+        blender.finish().iter().map(|attribute| attribute.gather(vertices)).collect()
     }
 }

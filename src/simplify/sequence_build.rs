@@ -82,6 +82,12 @@ pub enum SequenceError {
         /// Index among the new vertices.
         new: usize,
     },
+    /// A vertex is snapped twice, out of order, or to one that is snapped itself.
+    #[error("vertex {vertex} is snapped twice, out of order, or to a vertex that is snapped itself")]
+    Snap {
+        /// The vertex.
+        vertex: u32,
+    },
     /// A triangle vanishes with a step that does not exist.
     #[error("triangle {triangle} vanishes with step {end} of fewer")]
     TriangleEnd {
@@ -100,6 +106,9 @@ pub enum SequenceError {
         /// Triangles that vanish later or never.
         expected: usize,
     },
+    /// Normals are to be recomputed with a crease angle that is none.
+    #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
+    BadCreases,
     /// More steps or substitutions than can be numbered.
     #[error("there are more than {limit} substitutions")]
     TooMany {
@@ -148,22 +157,17 @@ impl CollapseSequence {
             new_vertices: new_vertices.to_vec(),
             solved: Vec::new(),
             aliases: (0..inputs as u32).map(|v| [v, wedge_of[v as usize]]).filter(|[v, w]| v != w).collect(),
+            snaps: Vec::new(),
             substitutions: Vec::new(),
             step_start: vec![0],
             step_error: Vec::new(),
             max_error: Vec::new(),
+            surface_error: Vec::new(),
+            curve_error: Vec::new(),
             triangles_after: Vec::new(),
             triangle_end: vec![0; mesh.triangles().len()],
             batch_end: Vec::new(),
-            report: SimplifyReport {
-                stop: StopReason::NothingLegal,
-                steps: 0,
-                triangles: 0,
-                vertices: 0,
-                error: 0.0,
-                parts_removed: 0,
-                refusals: Vec::new(),
-            },
+            report: SimplifyReport::new(StopReason::NothingLegal),
         };
         let mut place = vec![NONE; inputs];
         for (substitutions, error) in steps {
@@ -242,6 +246,7 @@ impl CollapseSequence {
         self.report.triangles = base as usize;
         self.report.vertices = used.iter().filter(|&&u| u).count();
         self.report.error = self.error_after(steps);
+        self.report.surface_error = self.report.error;
         Ok(self)
     }
 }

@@ -31,10 +31,17 @@ impl CollapseSequence {
         expect("reported steps", self.report.steps, steps)?;
         expect("reported triangles", self.report.triangles, self.triangles_after(steps))?;
         expect_most("reported vertices", self.report.vertices, self.vertex_count())?;
-        if self.report.error == self.error_after(steps) {
-            Ok(())
-        } else {
-            Err(SequenceError::BadError { step: steps, error: self.report.error })
+        if !self.report.normals.is_valid() {
+            return Err(SequenceError::BadCreases);
+        }
+        let reported = [
+            (self.report.error, self.error_after(steps)),
+            (self.report.surface_error, self.surface_error_after(steps)),
+            (self.report.curve_error, self.curve_error_after(steps)),
+        ];
+        match reported.into_iter().find(|(found, expected)| found != expected) {
+            Some((error, _)) => Err(SequenceError::BadError { step: steps, error }),
+            None => Ok(()),
         }
     }
 
@@ -62,13 +69,45 @@ impl CollapseSequence {
                 return Err(SequenceError::BadError { step, error: bound });
             }
         }
+        let told_apart = self.surface_error.len().max(self.curve_error.len());
+        if told_apart > 0 {
+            expect("surface errors", self.surface_error.len(), steps)?;
+            expect("curve errors", self.curve_error.len(), steps)?;
+            let (mut before, errors) = ([0.0; 2], self.surface_error.iter().zip(&self.curve_error));
+            for (step, (now, &largest)) in errors.map(|(&s, &c)| [s, c]).zip(&self.max_error).enumerate() {
+                // Also refuses what is no number.
+                if !(now[0] >= before[0] && now[1] >= before[1] && now[0].max(now[1]) == largest) {
+                    let wrong = usize::from(now[0] >= before[0] && now[0] <= largest);
+                    return Err(SequenceError::BadError { step, error: now[wrong] });
+                }
+                before = now;
+            }
+        }
         check_new_vertices(self.input_vertices as usize, &self.new_vertices)?;
+        self.check_snaps()?;
         let mut earlier = 0;
         for (batch, &end) in self.batch_end.iter().enumerate() {
             if end < earlier || end as usize > steps {
                 return Err(SequenceError::BatchOrder { batch });
             }
             earlier = end;
+        }
+        Ok(())
+    }
+
+    /// Whether snapped vertices are the input's, ascending, and those that they go to stay where they are.
+    fn check_snaps(&self) -> Result<(), SequenceError> {
+        let vertices = self.input_vertices as usize;
+        let mut before = None;
+        for &[vertex, to] in &self.snaps {
+            if let Some(&vertex) = [vertex, to].iter().find(|&&v| v as usize >= vertices) {
+                return Err(SequenceError::VertexOutOfRange { step: 0, vertex, vertices });
+            }
+            let moves = self.snaps.binary_search_by_key(&to, |snap| snap[0]).is_ok();
+            if moves || before.is_some_and(|before| before >= vertex) {
+                return Err(SequenceError::Snap { vertex });
+            }
+            before = Some(vertex);
         }
         Ok(())
     }
@@ -171,10 +210,13 @@ pub(super) struct Parts {
     new_vertices: Vec<NewVertex>,
     solved: Vec<String>,
     aliases: Vec<[u32; 2]>,
+    snaps: Vec<[u32; 2]>,
     substitutions: Vec<[u32; 2]>,
     step_start: Vec<u32>,
     step_error: Vec<f32>,
     max_error: Vec<f32>,
+    surface_error: Vec<f32>,
+    curve_error: Vec<f32>,
     triangles_after: Vec<u32>,
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
@@ -191,10 +233,13 @@ impl TryFrom<Parts> for CollapseSequence {
             new_vertices: parts.new_vertices,
             solved: parts.solved,
             aliases: parts.aliases,
+            snaps: parts.snaps,
             substitutions: parts.substitutions,
             step_start: parts.step_start,
             step_error: parts.step_error,
             max_error: parts.max_error,
+            surface_error: parts.surface_error,
+            curve_error: parts.curve_error,
             triangles_after: parts.triangles_after,
             triangle_end: parts.triangle_end,
             batch_end: parts.batch_end,

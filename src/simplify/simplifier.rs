@@ -2,12 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Tolerances, names};
 
 use super::engine::{Engine, Plan};
 use super::metric::{ErrorMetric, Quadric, WithAttributes};
-use super::options::{AttributeWeights, ErrorMeasure, Limits, OptionError, Order, Parts, Progress, Target};
+use super::normals::{Normals, NormalsDone};
+use super::options::{
+    AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Parts, Progress, Target,
+};
 use super::oracle::{Oracle, default_oracles};
+use super::permissive::Permissive;
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
@@ -17,14 +21,25 @@ use super::sequence::CollapseSequence;
 /// coordinates and colours count where the mesh has them.
 ///
 /// # The error
-/// The error of each step, in object units, is measured: *no vertex that the input's triangles use is farther from the
-/// level's surface than* [`error_after`](CollapseSequence::error_after) says, to within the rounding of single
-/// precision. Every merged point is kept on the part of the surface it lies over, and its distance is taken whenever
-/// that part changes. The error never decreases along the sequence. Other measures: [`ErrorMeasure`].
+/// The error of each step, in object units, is the larger of two that are measured, to within the rounding of single
+/// precision:
 ///
-/// Nothing is claimed between vertices, nor for the other direction, from the level to the input. By samples, the
-/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table). An
-/// input whose triangles are large beside its features deserves a measurement of its own: `quality::distance`.
+/// - *No vertex that the input's triangles use is farther from the level's surface than*
+///   [`surface_error_after`](CollapseSequence::surface_error_after) says. Every merged point is kept on the part of the
+///   surface it lies over, and its distance is taken whenever that part changes.
+/// - *No vertex on a curve of the input is farther from the level's curve, and no point measured along an edge of that
+///   farther from the input's, than* [`curve_error_after`](CollapseSequence::curve_error_after) says. Curves are borders,
+///   non-manifold edges, borders between materials, seams, and creases of more than 41.4 degrees where they draw the
+///   outline of a made thing rather than the relief of a scan. The level's curve is the image of the input's, so a hole
+///   that shrinks, a rim that is cut off and an island that vanishes are told by it, also on a flat face, where the
+///   surface tells nothing. A curve that shrinks to a point counts with its distance from there.
+///
+/// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
+/// at most a few units in the last place of the coordinates (2^-22 of the size of the mesh, rounded to a power of two)
+/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Other measures: [`ErrorMeasure`].
+///
+/// Nothing is claimed between the vertices of the input, nor for the level's surface away from curves. By samples, the
+/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table).
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
@@ -44,10 +59,14 @@ pub(super) struct Settings {
     pub placement: Placement,
     pub order: Order,
     pub measure: ErrorMeasure,
+    pub permissive: Permissive,
     /// Object units.
     pub join_distance: f32,
+    pub tolerances: Tolerances,
+    pub guard: Guard,
     pub parts: Parts,
     pub attributes: AttributeWeights,
+    pub normals: Normals,
 }
 
 impl Settings {
@@ -56,7 +75,24 @@ impl Settings {
             let value = f64::from(self.join_distance);
             return Err(OptionError::OutOfRange { option: "join distance", value, expected: "0 or more" });
         }
+        if let Some((option, value, expected)) = self.tolerances.out_of_range() {
+            return Err(OptionError::OutOfRange { option, value: f64::from(value), expected });
+        }
         Ok(())
+    }
+
+    /// What is to be done with the normals of a mesh: where they are to steer collapses they are not recomputed unless
+    /// asked for.
+    fn normals(&self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
+        match &self.attributes {
+            AttributeWeights::Chosen(list)
+                if self.normals == Normals::Automatic
+                    && list.iter().any(|(name, _)| name == names::NORMAL) =>
+            {
+                Ok(NormalsDone::Kept)
+            }
+            _ => self.normals.resolve(mesh),
+        }
     }
 }
 
@@ -107,6 +143,14 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
+    /// Whether seams, creases and material borders may give, and when. Default: [`Permissive::Auto`], before a size is
+    /// missed.
+    #[must_use]
+    pub fn permissive(mut self, permissive: Permissive) -> Self {
+        self.settings.permissive = permissive;
+        self
+    }
+
     /// One more rule, asked after those already there.
     #[must_use]
     pub fn oracle(mut self, oracle: impl Oracle + 'static) -> Self {
@@ -141,6 +185,29 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
+        self
+    }
+
+    /// Up to which differences vertices at one point are one wedge, so that noise makes no seams. Default: one step of
+    /// 16-bit storage ([`Tolerances::default`]). Nearly equal vertices are folded into one before the first step
+    /// ([`CollapseSequence::aliases`]).
+    #[must_use]
+    pub fn tolerances(mut self, tolerances: Tolerances) -> Self {
+        self.settings.tolerances = tolerances;
+        self
+    }
+
+    /// Whether collapses are refused that would ruin the shape. Default: [`Guard::On`].
+    #[must_use]
+    pub fn guard(mut self, guard: Guard) -> Self {
+        self.settings.guard = guard;
+        self
+    }
+
+    /// What becomes of normals. Default: [`Normals::Automatic`].
+    #[must_use]
+    pub fn normals(mut self, normals: Normals) -> Self {
+        self.settings.normals = normals;
         self
     }
 
@@ -180,11 +247,18 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
+        let normals = self.settings.normals(mesh)?;
         let plan = Plan { oracles: &mut self.oracles, limits, settings: &self.settings };
-        let Some(attributes) = self.settings.attributes.of(mesh)? else {
-            return Ok(Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress));
+        let bare = normals.bare(mesh);
+        let mesh = bare.as_ref().unwrap_or(mesh);
+        let mut sequence = match self.settings.attributes.of(mesh)? {
+            None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
+            Some(attributes) => {
+                let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
+                Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+            }
         };
-        let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
-        Ok(Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress))
+        sequence.report.normals = normals;
+        Ok(sequence)
     }
 }

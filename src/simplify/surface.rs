@@ -16,7 +16,10 @@ use glam::Vec3;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
+use super::curves::Curves;
+use super::sheets::{Layer, Sheets};
 use super::stars::Stars;
+use super::wedge_values::WedgeValues;
 
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
 /// that brings the longest side of the mesh's box into [0.5, 1).
@@ -87,8 +90,16 @@ pub struct Surface {
     /// Current vertex of each point (its lowest wedge where there are several).
     point_vertex: Vec<u32>,
     pub(super) materials: Vec<u32>,
-    pub(super) kinds: Vec<u8>,
+    pub(super) kinds: Vec<u16>,
+    /// The kinds of edges that must stay edges.
+    pub(super) held: u16,
+    /// Values that tell wedges apart, where there are any.
+    pub(super) values: WedgeValues,
+    /// Whether a wedge that has nowhere to go may move along with its point, as a new vertex.
+    pub(super) moves_wedges: bool,
     stars: Stars,
+    curves: Curves,
+    sheets: Sheets,
     live: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
@@ -100,17 +111,20 @@ pub(super) struct Scratch {
     pub(super) moved: Vec<u32>,
     pub(super) neighbours: Vec<u32>,
     pub(super) seen: Vec<Seen>,
+    /// Edges around a point: the other point, and the vertices at both ends.
+    pub(super) ends: Vec<[u32; 3]>,
 }
 
 impl Surface {
-    /// The surface of a mesh. Triangles with two equal points are dead from the start. O(n).
+    /// The surface of a mesh. Triangles with two equal points are dead from the start; of those over the same three points
+    /// one leads and the others follow it. O(n).
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
         let frame = Frame::new(mesh);
         let points = topology.point_count();
         let position = |&v: &u32| Vec3::from(frame.inner(mesh.positions()[v as usize]));
         let positions: Vec<Vec3> = topology.vertex_of_point().iter().map(position).collect();
         let point_of = topology.point_of();
-        let triangles: Vec<[u32; 3]> = mesh
+        let mut triangles: Vec<[u32; 3]> = mesh
             .triangles()
             .iter()
             .map(|t| {
@@ -126,7 +140,13 @@ impl Surface {
         } else {
             mesh.triangles().iter().map(|t| t.map(|v| wedge_of[v as usize])).collect()
         };
-        let stars = Stars::new(&triangles, points);
+        let mut stars = Stars::new(&triangles, points);
+        let vertices = |t: u32| mesh.triangles()[t as usize].map(|v| wedge_of[v as usize]);
+        let material = |t: u32| mesh.materials().get(t as usize).copied().unwrap_or(0);
+        let sheets = Sheets::new(&mut triangles, &stars, vertices, material, points);
+        if !sheets.is_empty() {
+            stars = Stars::new(&triangles, points);
+        }
         let mut surface = Self {
             frame,
             positions,
@@ -135,14 +155,23 @@ impl Surface {
             point_vertex: topology.vertex_of_point().to_vec(),
             materials: mesh.materials().to_vec(),
             kinds: vec![0; points],
+            held: kind::FEATURE,
+            values: WedgeValues::new(mesh, !one_wedge),
+            moves_wedges: false,
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
+            curves: Curves::default(),
+            sheets,
             live,
             scratch: Scratch::default(),
         };
         surface.classify();
         for (vertex, _) in mesh.locks().iter().enumerate().filter(|&(_, &locked)| locked) {
             surface.kinds[point_of[vertex] as usize] |= kind::LOCKED;
+        }
+        surface.curves = Curves::new(&surface);
+        for edge in 0..surface.curves.edge_count() as u32 {
+            surface.curves.ends(edge).iter().for_each(|&p| surface.kinds[p as usize] |= kind::ON_CURVE);
         }
         surface
     }
@@ -162,7 +191,7 @@ impl Surface {
         self.triangles.len()
     }
 
-    /// Triangles still alive.
+    /// Triangles still alive, those that follow another included.
     pub fn live_triangles(&self) -> usize {
         self.live
     }
@@ -182,7 +211,7 @@ impl Surface {
         self.positions[point as usize]
     }
 
-    /// The points of a triangle; `None` once it is dead.
+    /// The points of a triangle; `None` once it is dead, and for one that follows another over the same three points.
     pub fn triangle(&self, triangle: u32) -> Option<[u32; 3]> {
         let corners = self.triangles[triangle as usize];
         (corners[0] != NONE).then_some(corners)
@@ -202,6 +231,11 @@ impl Surface {
         !self.corner_vertices.is_empty()
     }
 
+    /// Whether triangles have materials.
+    pub(super) fn has_materials(&self) -> bool {
+        !self.materials.is_empty()
+    }
+
     /// The vertex of a point that has one wedge.
     pub(crate) fn point_vertex(&self, point: u32) -> u32 {
         self.point_vertex[point as usize]
@@ -211,6 +245,29 @@ impl Surface {
     #[inline]
     pub fn material(&self, triangle: u32) -> u32 {
         self.materials.get(triangle as usize).copied().unwrap_or(0)
+    }
+
+    /// Whether there are triangles that follow another.
+    #[inline]
+    pub(crate) fn has_sheets(&self) -> bool {
+        !self.sheets.is_empty()
+    }
+
+    /// The triangles that follow a triangle: those over the same three points, which die with it.
+    #[inline]
+    pub(crate) fn followers(&self, triangle: u32) -> &[u32] {
+        self.sheets.followers(triangle)
+    }
+
+    /// A live triangle's own vertices and material, and those of each triangle that follows it with others.
+    #[inline]
+    pub(crate) fn layers(&self, triangle: u32) -> impl Iterator<Item = Layer> + Clone + '_ {
+        let (vertices, material) = (self.corner_vertices(triangle), self.material(triangle));
+        let own = Layer { vertices, material, opposite: false };
+        let has_seams = self.has_seams();
+        // Without seams the leader's vertices are everybody's.
+        let layer = move |&layer: &Layer| if has_seams { layer } else { Layer { vertices, ..layer } };
+        std::iter::once(own).chain(self.sheets.layers(triangle).iter().map(layer))
     }
 
     /// Number of triangles around a point.
@@ -270,7 +327,10 @@ impl Surface {
     #[inline]
     pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {
         let star = self.stars.of(point);
-        if self.kinds[point as usize] & kind::IRREGULAR != 0 || star.len() > N {
+        if star.len() > N {
+            return star.len();
+        }
+        if self.kinds[point as usize] & kind::IRREGULAR != 0 {
             let mut count = 0;
             self.for_neighbours(point, |other| {
                 few[count % N] = other;
@@ -285,7 +345,7 @@ impl Surface {
     }
 
     #[inline]
-    pub(crate) fn kind(&self, point: u32) -> u8 {
+    pub(crate) fn kind(&self, point: u32) -> u16 {
         self.kinds[point as usize]
     }
 
@@ -307,6 +367,33 @@ impl Surface {
     /// Whether a point lies on an edge between two materials.
     pub fn is_material_border(&self, point: u32) -> bool {
         self.kind(point) & kind::MATERIAL != 0
+    }
+
+    /// Whether a point lies on a curve: a border, non-manifold edge, seam, border between materials or crease of the
+    /// input, or what has become of one.
+    #[inline]
+    pub fn is_on_curve(&self, point: u32) -> bool {
+        self.kind(point) & kind::ON_CURVE != 0
+    }
+
+    /// Whether the edge between two points belongs to a curve.
+    #[inline]
+    pub fn is_curve_edge(&self, u: u32, v: u32) -> bool {
+        self.kind(u) & self.kind(v) & kind::ON_CURVE != 0 && self.curves.find(u, v).is_some()
+    }
+
+    /// Calls `visit` with the other end of every curve edge at a point that is a rim: no mere seam.
+    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32)) {
+        for [edge, other] in self.curves.around(point) {
+            if self.curves.is_rim(edge) {
+                visit(other);
+            }
+        }
+    }
+
+    /// The curves, as they are now.
+    pub(super) fn curves(&self) -> &Curves {
+        &self.curves
     }
 
     /// Whether the caller locked a vertex at this point.
@@ -343,13 +430,20 @@ impl Surface {
                 self.live_points -= usize::from(self.valence(kept) == 0);
             }
             [first, second] => {
-                self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                if self.valence(kept) > 64 {
+                    // A hub: two searches in wide steps.
+                    self.stars.remove(kept, first);
+                    self.stars.remove(kept, second);
+                } else {
+                    self.stars.retain(kept, |triangle| triangle != first && triangle != second);
+                }
                 self.detach_third(first, [lost, kept]);
                 self.detach_third(second, [lost, kept]);
                 self.live_points -= usize::from(self.valence(kept) == 0);
             }
             _ => self.remove_many(lost, dead),
         }
+        self.add_followers(dead);
         self.live -= dead.len();
         // A point that was bare comes alive by a merge of two separate parts.
         self.live_points += usize::from(self.stars.of(kept).is_empty() && !moved.is_empty());
@@ -358,6 +452,11 @@ impl Surface {
         }
         self.stars.clear(lost);
         self.stars.append(kept, &moved);
+        self.kinds[kept as usize] |= self.kinds[lost as usize] & kind::WEDGES;
+        if self.kinds[lost as usize] & kind::ON_CURVE != 0 {
+            self.kinds[kept as usize] |= kind::ON_CURVE;
+            self.curves.merge(lost, kept);
+        }
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
     }
@@ -376,7 +475,17 @@ impl Surface {
             }
             self.stars.clear(point);
         }
+        self.add_followers(dead);
         self.live -= dead.len();
+    }
+
+    /// Adds to dead triangles those that die with them.
+    fn add_followers(&self, dead: &mut Vec<u32>) {
+        if self.has_sheets() {
+            for leader in 0..dead.len() {
+                dead.extend_from_slice(self.sheets.followers(dead[leader]));
+            }
+        }
     }
 
     /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.
@@ -415,6 +524,7 @@ impl Surface {
         for &entry in self.stars.of(point) {
             let vertex = &mut self.corner_vertices[(entry >> 2) as usize][(entry & 3) as usize];
             *vertex = map(*vertex);
+            self.sheets.replace(entry >> 2, (entry & 3) as usize, &mut map);
         }
     }
 }

@@ -16,6 +16,7 @@ use glam::{Vec3, Vec4};
 
 use crate::mesh::NONE;
 
+use super::angles::Angles;
 use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
@@ -30,6 +31,11 @@ pub(super) struct Witnesses {
     /// Whether each point is a witness yet.
     merged: Vec<bool>,
     fan: Vec<Sectors>,
+    /// Where to look in a fan of more than [`FEW_SECTORS`].
+    angles: Angles,
+    facets: [Vec<Facet>; 2],
+    /// How many sectors of such a fan may still be asked that lie elsewhere.
+    budget: usize,
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
@@ -121,6 +127,13 @@ impl Sectors {
     }
 }
 
+/// Fans of up to so many groups of four triangles are asked as a whole.
+const FEW_SECTORS: usize = 16;
+/// In larger ones so many groups around the direction of a witness are asked.
+const NEAR_SECTORS: usize = 4;
+/// An ear leaves its witnesses to at most this many triangles around the kept point.
+const EAR_TRIANGLES: usize = 64;
+
 impl Witnesses {
     /// No point is a witness yet. To `remember` distances is needed for [`added`](Self::added).
     pub fn new(surface: &Surface, remember: bool) -> Self {
@@ -130,6 +143,9 @@ impl Witnesses {
             head: vec![NONE; surface.triangle_count()],
             merged: vec![false; points],
             fan: Vec::new(),
+            angles: Angles::default(),
+            facets: Default::default(),
+            budget: 0,
             largest: 0.0,
             heads: Vec::new(),
             handed: Vec::new(),
@@ -138,18 +154,26 @@ impl Witnesses {
         }
     }
 
+    /// Area per input point.
+    pub fn share(&self) -> f32 {
+        self.share
+    }
+
     /// The largest distance of a witness of the patch from the patch that merging `pair` at `x` would make, inner
     /// units.
     pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         let mut worst: f32 = 0.0;
-        self.for_heads(surface, pair, x, |witnesses, mut at| {
+        let heads = self.heads(surface, pair, x);
+        for &head in &heads {
+            let mut at = head;
             while at != NONE {
-                let witness = witnesses.points[at as usize];
-                worst = worst.max(witnesses.nearest(witness.position - x).0);
+                let witness = self.points[at as usize];
+                worst = worst.max(self.nearest(witness.position - x).0);
                 at = witness.next;
             }
-        });
+        }
+        self.heads = heads;
         for point in self.newcomers(surface, pair, x) {
             worst = worst.max(self.nearest(self.points[point as usize].position - x).0);
         }
@@ -161,13 +185,16 @@ impl Witnesses {
     pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         let mut sum: f32 = 0.0;
-        self.for_heads(surface, pair, x, |witnesses, mut at| {
+        let heads = self.heads(surface, pair, x);
+        for &head in &heads {
+            let mut at = head;
             while at != NONE {
-                let witness = witnesses.points[at as usize];
-                sum += witnesses.nearest_with_sides(witness.position - x).0 - witnesses.placed[at as usize];
+                let witness = self.points[at as usize];
+                sum += self.nearest_with_sides(witness.position - x).0 - self.placed[at as usize];
                 at = witness.next;
             }
-        });
+        }
+        self.heads = heads;
         for point in self.newcomers(surface, pair, x) {
             sum += self.nearest_with_sides(self.points[point as usize].position - x).0;
         }
@@ -179,9 +206,7 @@ impl Witnesses {
     pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         // The chains are cut off first: what is handed over goes onto triangles of the same patch.
-        let mut heads = std::mem::take(&mut self.heads);
-        heads.clear();
-        self.for_heads(surface, pair, x, |_, head| heads.push(head));
+        let heads = self.heads(surface, pair, x);
         self.clear_heads(surface, pair, x);
         let mut worst: f32 = 0.0;
         for &head in &heads {
@@ -265,25 +290,51 @@ impl Witnesses {
     /// The new patch as sectors.
     fn spread(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) {
         self.fan.clear();
+        if patch.facets().len() > 4 * FEW_SECTORS {
+            return self.spread_many(patch);
+        }
         self.fan.extend(patch.facets().chunks(4).map(Sectors::new));
         if patch.facets().is_empty() {
-            // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point.
-            let around = surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost));
+            // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point, near in the
+            // list of its star, where triangles lie side by side that did so in the input.
+            let ear = surface.star_triangles(pair.lost).next();
+            let at = surface.star_triangles(pair.kept).position(|triangle| Some(triangle) == ear);
+            let from = at.unwrap_or(0).saturating_sub(EAR_TRIANGLES / 2);
+            let near = surface.star(pair.kept).skip(from).take(EAR_TRIANGLES);
+            let around = near.filter(|corner| !corner.others.contains(&pair.lost));
             self.fan.extend(around.map(|corner| Sectors::new(&[Facet::around(surface, corner, x)])));
         }
     }
 
-    /// Calls `visit` with the first witness of every triangle of the patch.
+    /// Very many triangles, in the order of their angle.
+    #[cold]
+    fn spread_many(&mut self, patch: &Patch) {
+        let [facets, scratch] = &mut self.facets;
+        facets.clear();
+        facets.extend_from_slice(patch.facets());
+        self.angles.sort(facets, scratch);
+        self.fan.extend(facets.chunks(4).map(Sectors::new));
+        self.budget = 64 * self.fan.len();
+    }
+
+    /// The first witness of every triangle of the patch that has one.
     #[inline]
-    fn for_heads(&self, surface: &Surface, pair: Pair, x: Vec3, mut visit: impl FnMut(&Self, u32)) {
-        for corner in surface.star(pair.lost) {
-            visit(self, self.head[corner.triangle as usize]);
-        }
+    fn heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> Vec<u32> {
+        let mut heads = std::mem::take(&mut self.heads);
+        heads.clear();
+        let mut add = |triangle: u32| {
+            let head = self.head[triangle as usize];
+            if head != NONE {
+                heads.push(head);
+            }
+        };
+        surface.star_triangles(pair.lost).for_each(&mut add);
         if surface.at(pair.kept) != x {
             for corner in surface.star(pair.kept).filter(|corner| !corner.others.contains(&pair.lost)) {
-                visit(self, self.head[corner.triangle as usize]);
+                add(corner.triangle);
             }
         }
+        heads
     }
 
     fn clear_heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
@@ -322,24 +373,54 @@ impl Witnesses {
     /// mostly the nearest; on a ridge the point may lie over no triangle but a distant one, and the sides are nearer.
     /// They are asked where it matters: where the distance would be the largest so far.
     #[inline]
-    fn nearest(&self, point: Vec3) -> (f32, u32) {
+    fn nearest(&mut self, point: Vec3) -> (f32, u32) {
+        if self.fan.len() > FEW_SECTORS {
+            return self.nearest_of_many(point);
+        }
         let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
         for sectors in &self.fan {
             best = sectors.least(sectors.heights(&p), best);
         }
-        if best.0 <= self.largest { best } else { self.nearest_with_sides(point) }
+        if best.0 <= self.largest { best } else { self.nearest_of(0..self.fan.len(), point) }
     }
 
     /// The same with the triangles' sides asked in any case: exact for the new patch.
-    fn nearest_with_sides(&self, point: Vec3) -> (f32, u32) {
+    fn nearest_with_sides(&mut self, point: Vec3) -> (f32, u32) {
+        if self.fan.len() > FEW_SECTORS {
+            return self.nearest_of_many(point);
+        }
+        self.nearest_of(0..self.fan.len(), point)
+    }
+
+    /// Squared distance to the nearest triangle of some groups, and which.
+    fn nearest_of(&self, groups: std::ops::Range<usize>, point: Vec3) -> (f32, u32) {
         let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
-        for sectors in &self.fan {
+        for sectors in &self.fan[groups] {
             best = sectors.least(sectors.heights(&p).min(sectors.sides(&p)), best);
         }
         // Where nothing is left but the merged point itself.
         if best.1 == NONE { (point.length_squared(), NONE) } else { best }
+    }
+
+    /// Among very many triangles those near the point's direction are asked. The others only where the distance would be
+    /// the largest so far, and only for as many points as keeps the whole in proportion to the triangles.
+    #[cold]
+    fn nearest_of_many(&mut self, point: Vec3) -> (f32, u32) {
+        let count = self.fan.len();
+        let from = (self.angles.place(point) / 4 + count - NEAR_SECTORS / 2) % count;
+        let to = (from + NEAR_SECTORS).min(count);
+        let mut best = self.nearest_of(from..to, point);
+        let others = self.nearest_of(0..NEAR_SECTORS.saturating_sub(to - from), point);
+        if others.1 != NONE && others.0 < best.0 {
+            best = others;
+        }
+        if best.0 > self.largest && self.budget >= count {
+            self.budget -= count;
+            best = self.nearest_of(0..count, point);
+        }
+        best
     }
 }
 

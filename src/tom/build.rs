@@ -21,16 +21,18 @@ pub struct TomBuild {
     /// The structure.
     pub tom: TotallyOrderedMesh,
     /// The input vertex at every place of the new order, a permutation of all input vertices. The structure refers to
-    /// the first [`TotallyOrderedMesh::vertex_count`] only; then come duplicates (equal to an earlier one in position
-    /// and all attributes), then vertices that no triangle uses. Those need not be uploaded.
+    /// the first [`TotallyOrderedMesh::vertex_count`] only; then come duplicates (the sequence's
+    /// [aliases](CollapseSequence::aliases)), then vertices that no triangle uses. Those need not be uploaded.
     pub vertex_order: Vec<u32>,
     /// The input triangle at every place of the new order; degenerate ones are not among them.
     pub triangle_order: Vec<u32>,
+    /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
+    pub snaps: Vec<[u32; 2]>,
 }
 
 impl TomBuild {
     /// Values of the input's vertices, one each, in the new order. Only a prefix of them is ever drawn: see
-    /// [`TomBuild::vertex_order`].
+    /// [`TomBuild::vertex_order`]. Positions are better arranged by [`TomBuild::positions`], which closes cracks.
     ///
     /// # Errors
     /// As many values as input vertices are needed.
@@ -39,13 +41,27 @@ impl TomBuild {
         Ok(self.vertex_order.iter().map(|&v| values[v as usize].clone()).collect())
     }
 
+    /// Positions of the input's vertices in the new order, with cracks closed that the simplification has closed
+    /// ([`TomBuild::snaps`]).
+    ///
+    /// # Errors
+    /// As many positions as input vertices are needed.
+    pub fn positions(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, TomError> {
+        self.check("positions", positions.len(), self.vertex_order.len())?;
+        let to = |v: u32| match self.snaps.binary_search_by_key(&v, |snap| snap[0]) {
+            Ok(at) => self.snaps[at][1],
+            Err(_) => v,
+        };
+        Ok(self.vertex_order.iter().map(|&v| positions[to(v) as usize]).collect())
+    }
+
     /// The input as a mesh in the new order: positions, attributes and locks of all vertices, and triangles and
     /// materials of the full resolution.
     ///
     /// # Errors
     /// The mesh has another number of vertices or triangles than the one that this was built from.
     pub fn arrange_mesh(&self, mesh: &Mesh) -> Result<Mesh, TomError> {
-        let positions = self.arrange(mesh.positions())?;
+        let positions = self.positions(mesh.positions())?;
         let least = self.triangle_order.iter().max().map_or(0, |&t| t as usize + 1);
         if mesh.triangles().len() < least {
             self.check("triangles", mesh.triangles().len(), least)?;
@@ -71,7 +87,8 @@ impl TomBuild {
             materials,
             mesh.material_names().to_vec(),
             locks,
-        ))
+        )
+        .at_origin_of(mesh))
     }
 
     fn check(&self, what: &str, found: usize, expected: usize) -> Result<(), TomError> {
@@ -135,7 +152,7 @@ impl TotallyOrderedMesh {
         tom.error_marks = error_marks(&lineage, sequence);
         debug_assert_eq!(tom.validate(), Ok(()));
         debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
-        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order })
+        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order, snaps: sequence.snaps().to_vec() })
     }
 }
 

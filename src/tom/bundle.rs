@@ -29,7 +29,7 @@ impl TomMesh {
     pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, TomError> {
         let built = TotallyOrderedMesh::build(mesh, sequence)?;
         let order = &built.vertex_order[..built.tom.vertex_count()];
-        Ok(Self { mesh: mesh.gather(order, Vec::new(), Vec::new()), tom: built.tom })
+        Ok(Self { mesh: sequence.assemble(mesh, order, Vec::new(), Vec::new()), tom: built.tom })
     }
 
     /// The vertices in the total order: positions, attributes, locks, and the names of materials. Has no triangles;

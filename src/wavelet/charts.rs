@@ -117,7 +117,8 @@ impl WaveletMesh {
             Vec::new(),
             vertices.material_names().to_vec(),
             vertices.locks().to_vec(),
-        );
+        )
+        .at_origin_of(&self.vertices);
         let mut mesh = Self { subdivision, vertices, ..self.clone() };
         mesh.measure();
         // They stay, unless vertices that no face used were out of the way, or coordinates were torn inside base faces.

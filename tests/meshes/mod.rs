@@ -57,6 +57,47 @@ pub fn seamed_grid(columns: u32, rows: u32, height: impl Fn(f32, f32) -> f32 + C
     Mesh::new(positions, triangles).unwrap().with_attribute(Attribute::floats(names::UV, &uv)).unwrap()
 }
 
+/// A grid of `blocks` by `blocks` charts of `cells` by `cells` cells each, far apart in the texture and every other one
+/// mirrored; normals are those of a sheet that leans another way in every block where `leaning`.
+pub fn quilt(blocks: u32, cells: u32, leaning: bool, height: impl Fn(f32, f32) -> f32) -> Mesh {
+    let all = blocks * cells;
+    let (mut positions, mut triangles, mut uv, mut normals) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (bx, by) in (0..blocks).flat_map(|by| (0..blocks).map(move |bx| (bx, by))) {
+        triangles.extend(grid_triangles(cells, cells, positions.len() as u32));
+        let odd = (bx + by) % 2 == 1;
+        for (x, y) in (0..=cells).flat_map(|y| (0..=cells).map(move |x| (x, y))) {
+            let (u, v) = ((bx * cells + x) as f32 / all as f32, (by * cells + y) as f32 / all as f32);
+            positions.push([u, v, height(u, v)]);
+            let local = if odd { cells - x } else { x };
+            let at = |block: u32, local: u32| (2 * block * cells + local) as f32 / (2 * all) as f32;
+            uv.push([at(bx, local), at(by, y)]);
+            normals.push(if odd { [0.6, 0.0, 0.8] } else { [0.0, 0.6, 0.8] });
+        }
+    }
+    let mesh = Mesh::new(positions, triangles).unwrap();
+    let stream =
+        if leaning { Attribute::floats(names::NORMAL, &normals) } else { Attribute::floats(names::UV, &uv) };
+    mesh.with_attribute(stream).unwrap()
+}
+
+/// Triangles whose orientation in texture space is opposite to the input's, of those that have one in both.
+pub fn mirrored(mesh: &Mesh, sequence: &CollapseSequence, steps: usize) -> usize {
+    let coarse = sequence.extract(mesh, steps);
+    let (_, origin) = sequence.triangles_at(mesh, steps);
+    let uv = |mesh: &Mesh| rows::<f32, 2>(mesh.attribute(names::UV).unwrap().as_floats().unwrap());
+    let (before, after) = (uv(mesh), uv(&coarse));
+    let side = |uv: &[[f32; 2]], t: [u32; 3]| {
+        let [a, b, c] = t.map(|v| uv[v as usize].map(f64::from));
+        let (e, f) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let (area, scale) =
+            (e[0] * f[1] - e[1] * f[0], e[0] * e[0] + e[1] * e[1] + f[0] * f[0] + f[1] * f[1]);
+        if area.abs() > 1e-5 * scale { area.signum() } else { 0.0 }
+    };
+    let pairs = coarse.triangles().iter().zip(&origin);
+    pairs.filter(|&(&t, &o)| side(&after, t) * side(&before, mesh.triangles()[o as usize]) < 0.0).count()
+}
+
 /// An open tube around z with a texture wrapped around it once: a seam at angle 0, one chart on both its sides.
 pub fn tube(around: u32, along: u32) -> Mesh {
     let flat = grid_positions(around, along, |_, _| 0.0);
@@ -184,10 +225,12 @@ pub fn points(mesh: &Mesh, sequence: &CollapseSequence) -> Vec<u32> {
     point.resize(point.len() + sequence.new_vertices().len(), u32::MAX);
     for step in 0..sequence.len() {
         let mut made: Vec<u32> = sequence.substitutions(step).iter().map(|s| s[1]).collect();
+        // A wedge that moves on its own joins the point that stays.
+        let stays = made.iter().map(|&v| point[v as usize]).find(|&p| p != u32::MAX);
         made.retain(|&v| point[v as usize] == u32::MAX);
         let least = made.iter().copied().min();
         for v in made {
-            point[v as usize] = least.unwrap_or(v);
+            point[v as usize] = stays.or(least).unwrap_or(v);
         }
     }
     point

@@ -5,6 +5,9 @@
 //!                         [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]
 //! multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
 //!                    [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]
+//! multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1] [--samples 40000]
+//!                     [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0] [--json]
+//! multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]
 //! ```
 //!
 //! | file | idea |
@@ -15,6 +18,7 @@
 //! | `clock.rs` | CPU time of this thread and of the process |
 //! | `fly.rs` | frames along a path: cluster selection beside vertex hierarchies |
 //! | `fly_options.rs`, `fly_report.rs` | its arguments, its tables |
+//! | `game/` | models with seams, materials and cards: what they look like afterwards, and how far down they go |
 //! | `clod.rs` | meshoptimizer's cluster hierarchy and its selection |
 //! | `path.rs` | where the eye goes |
 //! | `statistics.rs` | medians and percentiles |
@@ -28,6 +32,7 @@ mod contender;
 mod fly;
 mod fly_options;
 mod fly_report;
+mod game;
 mod input;
 mod path;
 mod simplify;
@@ -42,7 +47,11 @@ const USAGE: &str =
     "usage: multires-peers simplify MODEL... [--generated] [--grid N] [--percent 50,25,10,5,2,1]
                                [--runs 7] [--warmups 2] [--only NAME] [--out DIR] [--json]
        multires-peers fly [MODEL...] [--path CSV] [--tolerance 1] [--subdivide N] [--still-path] [--optimal]
-                          [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]";
+                          [--dependencies none,adjacent,neighbours] [--rounds 5] [--json]
+       multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1]
+                           [--samples 40000] [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0]
+                           [--json]
+       multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]";
 
 /// What to measure, and how often.
 struct Options {
@@ -77,6 +86,8 @@ impl Default for Options {
 enum Command {
     Simplify(Options),
     Fly(fly_options::Options),
+    Game(game::Options),
+    Reach(game::reach::Options),
 }
 
 fn main() -> ExitCode {
@@ -84,6 +95,8 @@ fn main() -> ExitCode {
     let command = match arguments.next().as_deref() {
         Some("simplify") => parse(arguments).map(Command::Simplify),
         Some("fly") => fly_options::Options::parse(arguments).map(Command::Fly),
+        Some("game") => game::Options::parse(arguments).map(Command::Game),
+        Some("reach") => game::reach::Options::parse(arguments).map(Command::Reach),
         Some("--help" | "-h") => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
@@ -94,6 +107,8 @@ fn main() -> ExitCode {
     let result = match command {
         Ok(Command::Simplify(options)) => run(&options),
         Ok(Command::Fly(options)) => fly::run(&options),
+        Ok(Command::Game(options)) => game::run(&options),
+        Ok(Command::Reach(options)) => game::reach::run(&options),
         Err(reason) => {
             eprintln!("multires-peers: {reason}\n{USAGE}");
             return ExitCode::from(2);

@@ -8,7 +8,7 @@ use multires::simplify::{SimplifyReport, Target};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
-use crate::rules::{Place, Rules};
+use crate::rules::{Gives, Place, Rules, Switch};
 
 /// Advice must get to this share of the triangles reached without.
 const WORTH: f64 = 0.95;
@@ -37,7 +37,7 @@ impl Advice {
         let most = (WORTH * level.triangles().len() as f64) as usize;
         let reached = |changed: &Rules| -> Result<Option<usize>, Failure> {
             let Ok(mesh) = changed.dropped(level.clone()) else { return Ok(None) };
-            let mut simplifier = changed.simplifier(place)?;
+            let mut simplifier = changed.simplifier(place, changed.normals.unwrap_or_default())?;
             for &target in targets {
                 simplifier = simplifier.target(target);
             }
@@ -111,9 +111,15 @@ fn ways(rules: &Rules, level: &Mesh) -> Vec<Way> {
         let change = |rules: &mut Rules| rules.max_turn = 180.0;
         ways.push(("normal flip", "--max-turn 180".to_owned(), Box::new(change)));
     }
-    if rules.min_quality > 0.0 {
-        let change = |rules: &mut Rules| rules.min_quality = 0.0;
-        ways.push(("triangle quality", "--min-quality 0".to_owned(), Box::new(change)));
+    if rules.guard == Switch::On {
+        let change = |rules: &mut Rules| rules.guard = Switch::Off;
+        ways.push(("guard", "--guard off (what is left loses its shape)".to_owned(), Box::new(change)));
+    }
+    if rules.permissive == Gives::Off {
+        for rule in ["seam", "material"] {
+            let change = |rules: &mut Rules| rules.permissive = Gives::Auto;
+            ways.push((rule, "--permissive auto".to_owned(), Box::new(change)));
+        }
     }
     if rules.keep_apart {
         let change = |rules: &mut Rules| rules.keep_apart = false;

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use multires::hierarchy::{Dependencies, HierarchyMesh};
 use multires::io;
 use multires::mesh::Mesh;
-use multires::simplify::CollapseSequence;
+use multires::simplify::{CollapseSequence, Normals, NormalsDone};
 use multires::tom::TomMesh;
 use multires::view::ErrorShape;
 use multires::wavelet::{
@@ -87,6 +87,10 @@ enum Needs {
 
 impl Run for Build {
     fn run(&self) -> Result<Answer, Failure> {
+        if let Some(Normals::Recompute { .. }) = self.given.rules.normals {
+            let reason = "--normals recompute: vertices of a structure are fixed, and so are their normals";
+            return Err(Failure::Usage(reason.to_owned()));
+        }
         files::check_output(&self.output, "mres")?;
         let only_for = |given: bool, option: &str, structure: Structure, name: &str| {
             if given && self.structure != structure {
@@ -105,6 +109,10 @@ impl Run for Build {
     }
 }
 
+/// Said of a mesh that its normals hold.
+const HARD_EDGES: &str = "every face has normals of its own, so that edges can hardly go: --normals drop leaves them out, \
+    for a renderer that shades by face";
+
 /// A mesh, and its simplification down to the base mesh.
 struct Simplified {
     /// The file that was read, for JSON and for people.
@@ -121,12 +129,17 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let start = Instant::now();
         let bar = Bar::new("simplifying");
-        let mut simplifier = self.given.rules.simplifier(place)?;
+        // Vertices of a structure are fixed, so their normals are those of the input.
+        let mut simplifier = self.given.rules.simplifier(place, Normals::Keep)?;
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
-        Ok(Simplified { input, input_text, notes: imported.notes, mesh, sequence, start })
+        let mut notes = imported.notes;
+        if Normals::Automatic.resolve(&mesh) != Ok(NormalsDone::Kept) {
+            notes.push(HARD_EDGES.to_owned());
+        }
+        Ok(Simplified { input, input_text, notes, mesh, sequence, start })
     }
 
     fn tom(&self) -> Result<Answer, Failure> {
@@ -158,6 +171,7 @@ impl Build {
             "memory_percent": share,
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
             "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
@@ -176,6 +190,9 @@ impl Build {
         table.row("error of coarsest", error_text(error, percent(error, diagonal)));
         let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
         table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })
@@ -202,6 +219,7 @@ impl Build {
             "steps": sequence.len(),
             "stop": rules::stop_name(sequence.report().stop),
             "refusals": rules::refusals(sequence.report()),
+            "given_up": rules::given_up(sequence.report()),
             "parts_removed": sequence.report().parts_removed,
             "seconds": seconds,
             "warnings": notes,
@@ -213,6 +231,9 @@ impl Build {
         table.row("input", input_text);
         table.row("output", format!("{}: {bytes} bytes", self.output.display()));
         info::hierarchy_rows(&mut table, &bundle);
+        if let Some(given_up) = rules::given_up_text(sequence.report()) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.given.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings: notes })
@@ -223,7 +244,7 @@ impl Build {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.given.rules.dropped(imported.mesh)?;
+        let mesh = self.given.rules.prepared(imported.mesh)?;
         let bound = match self.bound {
             None | Some(Bound::Conservative) => ErrorBound::Conservative,
             Some(Bound::WithoutSiblings) => ErrorBound::WithoutSiblings,

@@ -11,7 +11,7 @@ use crate::rules::not_negative;
 #[derive(Args)]
 pub struct Camera {
     /// What eye, target and radius are in: multiples of the diagonal of the model's box, from the box's centre; or the
-    /// model's own units, from its origin.
+    /// units and coordinates of the file that the model was made from.
     #[arg(long, value_name = "U", value_enum, default_value_t = Units::Diagonal)]
     units: Units,
     /// Which way is up on the picture.
@@ -77,7 +77,7 @@ impl Camera {
                 let square: f64 = (0..3).map(|i| (high[i] - low[i]).powi(2)).sum();
                 Place { origin: std::array::from_fn(|i| (low[i] + high[i]) * 0.5), unit: square.sqrt() }
             }
-            _ => Place { origin: [0.0; 3], unit: 1.0 },
+            _ => Place { origin: model.origin().map(|x| -x), unit: 1.0 },
         }
     }
 

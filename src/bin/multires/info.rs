@@ -38,6 +38,14 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
     let mesh = &imported.mesh;
     let (stored, welded) = (Report::new(mesh), Report::welded(mesh));
     let format = Format::from_path(path).map(Format::extension);
+    let mut warnings = imported.notes.clone();
+    if welded.near_twins > 0 {
+        // Rounded up: this is what --weld needs.
+        let (count, distance) = (welded.near_twins, 1.01 * welded.twin_distance);
+        warnings.push(format!(
+            "{count} points on open borders nearly coincide with another; --weld {distance:.2e} makes them one"
+        ));
+    }
     let json = json!({
         "file": path.display().to_string(),
         "format": format,
@@ -49,7 +57,7 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
         "bounds": mesh.bounds(),
         "diagonal": mesh.diagonal(),
         "memory": mesh.memory(),
-        "notes": imported.notes,
+        "notes": warnings,
     });
 
     let mut table = Table::default();
@@ -61,7 +69,7 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
         None => table.row("bounds", "-"),
     };
     table.row("memory", format!("{} bytes", mesh.memory()));
-    Ok(Answer { json, text: table.text(), warnings: imported.notes })
+    Ok(Answer { json, text: table.text(), warnings })
 }
 
 fn baked(path: &Path) -> Result<Answer, Failure> {

@@ -59,7 +59,8 @@ impl Run for Measure {
             files::check_output(path, "png")?;
         }
         let bar = Bar::new("reading");
-        let (read_a, read_b) = (read(&self.a)?, read(&self.b)?);
+        let (mut read_a, mut read_b) = (read(&self.a)?, read(&self.b)?);
+        common_origin(&mut read_a.mesh, &mut read_b.mesh).map_err(Failure::input)?;
         let (a, b) = (&read_a.mesh, &read_b.mesh);
 
         let start = Instant::now();
@@ -183,6 +184,17 @@ impl Measure {
             other => Failure::input(other),
         }
     }
+}
+
+/// Puts both meshes relative to one origin: that of the first, unless it has none.
+fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), multires::MeshError> {
+    let origin = if a.origin() == [0.0; 3] { b.origin() } else { a.origin() };
+    for mesh in [a, b] {
+        if mesh.origin() != origin {
+            *mesh = mesh.moved_to(origin)?;
+        }
+    }
+    Ok(())
 }
 
 /// Reads a mesh; says what to do where a baked file is given.

@@ -64,6 +64,14 @@ pub enum Instance {
 }
 
 impl Model {
+    /// What its positions are relative to.
+    pub fn origin(&self) -> [f64; 3] {
+        match self {
+            Self::Hierarchy(model) => model.vertices().origin(),
+            Self::Wavelet(model) => model.vertices().origin(),
+        }
+    }
+
     /// Smallest and largest corner of the box around the full resolution.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         match self {

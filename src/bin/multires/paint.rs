@@ -59,6 +59,7 @@ impl Painted {
     /// None that is known.
     pub fn mesh(&self, mesh: &Mesh) -> Result<Mesh, Failure> {
         let mut painted = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
+        painted = painted.with_origin(mesh.origin()).map_err(Failure::input)?;
         let colours: Vec<[f32; 3]> =
             self.colours.iter().map(|c| c.map(|byte| f32::from(byte) / 255.0)).collect();
         let distances: Vec<[f32; 1]> = self.distances.iter().map(|&d| [d]).collect();

@@ -3,11 +3,12 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
-use multires::mesh::Mesh;
+use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, SelfIntersection, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, Order, Parts, Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Order, Parts, Permissive,
+    Placement, Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
@@ -36,9 +37,26 @@ pub struct Rules {
     /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth.
     #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "on", value_parser = weights)]
     pub attributes: AttributeWeights,
+    /// What becomes of normals: keep them and their seams, recompute them from each level's triangles (with the crease angle
+    /// that explains the input's best, or recompute=DEGREES), drop them and tangents, or auto: recompute where every face has
+    /// normals of its own, else keep [default: auto; keep for build, whose vertices are fixed].
+    #[arg(long, value_name = "auto|keep|recompute[=DEGREES]|drop", value_parser = normals)]
+    pub normals: Option<Normals>,
     /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
+    /// Up to which differences vertices at one place are one: 16-bit (one step of 16-bit storage), exact, or KIND=T,...:
+    /// normal in degrees, uv in texels, texture (the texels of a side, 65536), color in steps of 1/255, other as a share of
+    /// the value, position in steps of 2^-23 of the largest coordinate (between open borders). "inf" is any difference.
+    #[arg(long, value_name = "16-bit|exact|KIND=T,...", default_value = "16-bit", value_parser = Weld::parse)]
+    pub weld_tolerance: Weld,
+    /// Snap positions within this distance (object units) of each other to one before anything else.
+    #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
+    pub weld: f64,
+    /// Whether seams, creases and borders between materials may give: never, where it costs least, or only before a size
+    /// asked for is missed.
+    #[arg(long, value_name = "W", value_enum, default_value_t = Gives::Auto)]
+    pub permissive: Gives,
     /// Neither move nor remove vertices on open borders.
     #[arg(long)]
     pub lock_borders: bool,
@@ -54,9 +72,20 @@ pub struct Rules {
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
-    /// Least quality of new triangles, from 0 (any) to 1 (equilateral only).
+    /// Quality below which collapses that make new triangles thinner wait until dearer ones are due, from 0 (any) to 1
+    /// (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
     pub min_quality: f64,
+    /// Whether collapses are refused that bring the error beyond what the triangles left explain.
+    #[arg(long, value_name = "on|off", value_enum, default_value_t = Switch::On)]
+    pub guard: Switch,
+}
+
+/// Whether something is done.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
 }
 
 /// Rules, and which of them were given: for what knows none.
@@ -67,9 +96,9 @@ pub struct Given {
 }
 
 impl Given {
-    /// Refuses all rules but what is to be left out of the mesh.
+    /// Refuses all rules but what is done to the mesh before it is simplified.
     pub fn check_unused(&self, reason: &str) -> Result<(), Failure> {
-        match self.names.iter().find(|name| *name != "drop") {
+        match self.names.iter().find(|name| !["drop", "weld"].contains(&name.as_str())) {
             None => Ok(()),
             Some(name) => Err(Failure::Usage(format!("--{name}: {reason}"))),
         }
@@ -125,6 +154,14 @@ pub enum Measure {
     Verified,
 }
 
+/// Whether seams and the like may give.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Gives {
+    Off,
+    On,
+    Auto,
+}
+
 /// Which attributes count.
 fn weights(text: &str) -> Result<AttributeWeights, String> {
     match text {
@@ -137,6 +174,38 @@ fn weights(text: &str) -> Result<AttributeWeights, String> {
         Ok((name.to_owned(), not_negative(weight)? as f32))
     };
     text.split(',').map(one).collect::<Result<_, String>>().map(AttributeWeights::Chosen)
+}
+
+/// Up to which differences vertices are one, and the text that said so.
+#[derive(Clone)]
+pub struct Weld {
+    tolerances: Tolerances,
+    text: String,
+}
+
+impl Weld {
+    fn parse(text: &str) -> Result<Self, String> {
+        let mut tolerances = if text == "exact" { Tolerances::exact() } else { Tolerances::default() };
+        let named = if ["exact", "16-bit"].contains(&text) { "" } else { text };
+        for part in named.split(',').filter(|_| !named.is_empty()) {
+            let (kind, value) = part.split_once('=').ok_or(format!("{part:?} is not KIND=T"))?;
+            let value = match value {
+                "inf" => f32::INFINITY,
+                _ => not_negative(value)? as f32,
+            };
+            tolerances = match kind {
+                "normal" => tolerances.with_normal(value),
+                "uv" => tolerances.with_uv(value),
+                "texture" if value > 0.0 => tolerances.with_texture_size(value),
+                "texture" => return Err("texture: not a number above 0".to_owned()),
+                "color" => tolerances.with_color(value),
+                "other" => tolerances.with_relative(value),
+                "position" => tolerances.with_position(value),
+                _ => return Err(format!("{kind:?} is none of normal, uv, texture, color, other, position")),
+            };
+        }
+        Ok(Self { tolerances, text: text.to_owned() })
+    }
 }
 
 impl Place {
@@ -157,8 +226,15 @@ impl Rules {
         self.placement.unwrap_or(suits)
     }
 
+    /// The mesh as it is to be simplified: without what is to be left out, near positions snapped.
+    pub fn prepared(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        let mesh = self.dropped(mesh)?;
+        Ok(if self.weld > 0.0 { mesh.welded(self.weld) } else { mesh })
+    }
+
     /// The mesh without what is to be left out.
     pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
+        let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
         if self.drop.is_empty() {
             return Ok(mesh);
         }
@@ -169,6 +245,7 @@ impl Rules {
         }
         let kept = if is_dropped(MATERIAL) { &[][..] } else { mesh.materials() };
         let mut result = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
+        result = result.with_origin(mesh.origin()).map_err(Failure::input)?;
         result = result.with_materials(kept).map_err(Failure::input)?;
         result = result.with_locks(mesh.locks()).map_err(Failure::input)?;
         if !kept.is_empty() {
@@ -181,7 +258,11 @@ impl Rules {
     }
 
     /// The simplifier asked for, with no target yet.
-    pub fn simplifier(&self, place: Place) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
+    pub fn simplifier(
+        &self,
+        place: Place,
+        normals: Normals,
+    ) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
         let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
         let metric = metric::by_name(&self.metric).ok_or_else(unknown)?;
         let placement = match place {
@@ -206,8 +287,16 @@ impl Rules {
             .placement(placement)
             .order(order)
             .error_measure(measure)
+            .permissive(match self.permissive {
+                Gives::Off => Permissive::Off,
+                Gives::On => Permissive::On,
+                Gives::Auto => Permissive::Auto,
+            })
             .attributes(self.attributes.clone())
+            .normals(normals)
             .join_distance(self.join_distance as f32)
+            .tolerances(self.weld_tolerance.tolerances.clone())
+            .guard(if self.guard == Switch::On { Guard::On } else { Guard::Off })
             .parts(parts)
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
@@ -230,6 +319,10 @@ impl Rules {
             ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
+            ("weld_tolerance", json!(self.weld_tolerance.text)),
+            ("weld", json!(self.weld)),
+            ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
+            ("permissive", json!(self.permissive_name())),
             ("join_distance", json!(self.join_distance)),
             ("keep_parts", json!(self.keep_parts)),
             ("keep_apart", json!(self.keep_apart)),
@@ -257,6 +350,14 @@ impl Rules {
         }
     }
 
+    fn permissive_name(&self) -> &'static str {
+        match self.permissive {
+            Gives::Off => "off",
+            Gives::On => "on",
+            Gives::Auto => "auto",
+        }
+    }
+
     /// Which rules stood in the way where nothing legal was left. What would help: `advice.rs`.
     pub fn obstacles(report: &SimplifyReport) -> String {
         let list = |number: fn(&Refusal) -> u64| {
@@ -277,10 +378,38 @@ impl Rules {
     }
 }
 
+/// What became of normals, for JSON and for people.
+pub fn normals_done(report: &SimplifyReport) -> (Value, String) {
+    match report.normals {
+        NormalsDone::Recomputed(creases) => {
+            let angle = creases.angle;
+            let text = format!("recomputed, with creases where edges turn by more than {angle:.1} degrees");
+            (json!({ "recomputed": { "crease_angle": angle } }), text)
+        }
+        NormalsDone::Dropped => (json!("dropped"), "dropped".to_owned()),
+        _ => (json!("kept"), "kept".to_owned()),
+    }
+}
+
 /// A report's refusals, for JSON.
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
     report.refusals.iter().map(one).collect()
+}
+
+/// What was given up, for JSON.
+pub fn given_up(report: &SimplifyReport) -> Value {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    json!({ "seams": seams, "creases": creases, "materials": materials })
+}
+
+/// The same for people; `None` where nothing was.
+pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
+    let GivenUp { seams, creases, materials, .. } = report.given_up;
+    let parts = [(seams, "seams"), (creases, "creases"), (materials, "material borders")];
+    let some = parts.iter().filter(|part| part.0 > 0);
+    let list: Vec<String> = some.map(|(count, what)| format!("{what} by {count} collapses")).collect();
+    (!list.is_empty()).then(|| list.join(", "))
 }
 
 /// Why a simplification stopped.
@@ -289,6 +418,7 @@ pub fn stop_name(stop: StopReason) -> &'static str {
         StopReason::Target => "target",
         StopReason::Error => "error",
         StopReason::NothingLegal => "nothing-legal",
+        StopReason::Guard => "guard",
         StopReason::Cancelled => "cancelled",
         _ => "other",
     }
@@ -316,6 +446,17 @@ pub fn share(text: &str) -> Result<f64, String> {
 /// A finite number that is not below 0.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text, 0.0.., "a number of 0 or more")
+}
+
+fn normals(text: &str) -> Result<Normals, String> {
+    match text.split_once('=') {
+        None if text == "auto" => Ok(Normals::Automatic),
+        None if text == "keep" => Ok(Normals::Keep),
+        None if text == "drop" => Ok(Normals::Drop),
+        None if text == "recompute" => Ok(Normals::Recompute { crease_angle: None }),
+        Some(("recompute", angle)) => Ok(Normals::Recompute { crease_angle: Some(degrees(angle)? as f32) }),
+        _ => Err("not auto, keep, recompute, recompute=DEGREES or drop".to_owned()),
+    }
 }
 
 fn degrees(text: &str) -> Result<f64, String> {

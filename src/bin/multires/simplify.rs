@@ -17,8 +17,9 @@ use crate::rules::{self, Rules, not_negative, share};
 
 /// Simplify a mesh until a target is reached; with several targets, the first one.
 ///
-/// Topology, borders, seams and materials are kept. Where that leaves no legal collapse before the target is reached,
-/// the mesh is written as it is then, and a warning says which rules stood in the way.
+/// Topology and borders are kept, and seams and materials as far as a size asked for allows: see --permissive. Where no
+/// legal collapse is left before the target is reached, the mesh is written as it is then, and a warning says which
+/// rules stood in the way.
 #[derive(Args)]
 pub struct Simplify {
     /// The mesh file to read.
@@ -101,11 +102,11 @@ impl Run for Simplify {
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);
-        let mesh = self.rules.dropped(imported.mesh)?;
+        let mesh = self.rules.prepared(imported.mesh)?;
 
         let start = Instant::now();
         let place = self.rules.place();
-        let mut simplifier = self.rules.simplifier(place)?;
+        let mut simplifier = self.rules.simplifier(place, self.rules.normals.unwrap_or_default())?;
         let targets = self.targets.list(&mesh);
         for &target in &targets {
             simplifier = simplifier.target(target);
@@ -138,7 +139,7 @@ impl Run for Simplify {
         let share = percent(level.triangles().len() as f64, mesh.triangles().len() as f64);
         let mut warnings = imported.notes.clone();
         let mut advice = Vec::new();
-        if report.stop == StopReason::NothingLegal {
+        if matches!(report.stop, StopReason::NothingLegal | StopReason::Guard) {
             let left = level.triangles().len();
             let asked = targets.iter().map(|target| match *target {
                 Target::Ratio(ratio) => Target::Triangles((ratio * mesh.triangles().len() as f64) as usize),
@@ -158,9 +159,13 @@ impl Run for Simplify {
             "error_percent": error_percent,
             "attribute_values": self.attribute_values.name(),
             "attribute_deviations": deviations.iter().map(deviation).collect::<Vec<_>>(),
+            "surface_error": report.surface_error,
+            "curve_error": report.curve_error,
             "steps": report.steps,
             "stop": rules::stop_name(report.stop),
+            "normals": rules::normals_done(report).0,
             "refusals": rules::refusals(report),
+            "given_up": rules::given_up(report),
             "advice": Advice::json(&advice),
             "parts_removed": report.parts_removed,
             "parts_grown": growth.parts,
@@ -181,11 +186,20 @@ impl Run for Simplify {
                 format!("{:.3} {unit} (mean), {:.3} (most)", d.mean, d.max),
             );
         }
+        let [surface, curves] = [report.surface_error, report.curve_error].map(f64::from);
+        table.row("of the surface", error_text(surface, percent(surface, diagonal)));
+        table.row("of its curves", error_text(curves, percent(curves, diagonal)));
+        if level.attribute(names::NORMAL).is_some() {
+            table.row("normals", rules::normals_done(report).1);
+        }
         if report.parts_removed > 0 {
             let (removed, grown) = (report.parts_removed, growth.parts);
             table.row("parts", format!("{removed} vanished, {grown} grown in their place"));
         }
         table.row("stopped by", rules::stop_name(report.stop));
+        if let Some(given_up) = rules::given_up_text(report) {
+            table.row("gave", given_up);
+        }
         table.row("by", self.rules.describe_text(place));
         table.row("seconds", format!("{seconds:.3}"));
         Ok(Answer { json, text: table.text(), warnings })

@@ -1,4 +1,4 @@
-//! A mesh to glTF 2.0: one node, one mesh, a primitive for each material, all sharing the same vertices.
+//! A mesh to glTF 2.0: one node, moved to the mesh's origin, one mesh, a primitive for each material, all sharing the same vertices.
 //!
 //! Triangles keep their order within a material. Attributes that glTF has no semantic for are written as `_name`; whole
 //! numbers as 16 bits, or as floats where those hold them exactly. Locks are left out. Vertices of a mesh without
@@ -108,6 +108,9 @@ impl File {
             "nodes": [{ "mesh": 0 }],
             "scenes": [{ "nodes": [0] }],
         });
+        if mesh.origin() != [0.0; 3] {
+            self.document["nodes"][0]["translation"] = json!(mesh.origin());
+        }
         if let Some(&most) = mesh.materials().iter().max() {
             if most >= MAX_MATERIALS {
                 return Err(unsupported(format!("material id {most}, more than {MAX_MATERIALS} materials")));

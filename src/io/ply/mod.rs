@@ -50,7 +50,10 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
         }
     }
     header += &format!("element vertex {}\n", mesh.positions().len());
-    header += "property float x\nproperty float y\nproperty float z\n";
+    let moved = mesh.origin() != [0.0; 3];
+    for axis in ["x", "y", "z"] {
+        header += &format!("property {} {axis}\n", if moved { "double" } else { "float" });
+    }
     for column in &columns {
         header += &format!("property {} {}\n", column.kind, column.name);
     }
@@ -63,7 +66,13 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     let mut out = header.into_bytes();
     out.reserve(mesh.positions().len() * (12 + 4 * columns.len()) + 17 * mesh.triangles().len());
     for (v, position) in mesh.positions().iter().enumerate() {
-        position.iter().for_each(|x| out.extend_from_slice(&x.to_le_bytes()));
+        for (&x, origin) in position.iter().zip(mesh.origin()) {
+            if moved {
+                out.extend_from_slice(&(f64::from(x) + origin).to_le_bytes());
+            } else {
+                out.extend_from_slice(&x.to_le_bytes());
+            }
+        }
         for column in &columns {
             let at = v * column.attribute.width() + column.component;
             match column.attribute.values() {

@@ -7,6 +7,8 @@
 //! | `nature.rs` | fractal terrain and rocks |
 //! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
+//! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
+//! | `game.rs` | what games are made of: atlases, materials, mirrored halves, cards, facets, skins, paint |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
@@ -19,7 +21,9 @@
 //! to what a [`Mesh`] can hold, and lengths that are not positive and finite are replaced; each function says how.
 
 mod awkward;
+mod cad;
 mod demo;
+mod game;
 mod islands;
 mod nature;
 mod noise;
@@ -28,7 +32,12 @@ mod solids;
 mod tubes;
 
 pub use awkward::{book, bowtie, hub, pillow, plane, soup, spindle, tetrahedron, two_spheres_touching};
+pub use cad::{
+    cad_part, cut_in_four, gear, lettering, plate_with_hole, plate_with_seam_island, pocketed_block,
+    ring_with_ramps, stepped_shaft, two_material_plate, washer,
+};
 pub use demo::demo;
+pub use game::{flat_rock, painted_disc, prop, robot, skinned_tube, tree};
 pub use islands::{forest, gravel, shell};
 pub use nature::{rock, terrain};
 pub use solids::{box_with_face_normals, cube, icosphere, uv_sphere};

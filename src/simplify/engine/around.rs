@@ -12,7 +12,18 @@ impl<M: ErrorMetric> Engine<'_, M> {
     pub(super) fn update_around(&mut self, pair: Pair, rank: u32) {
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
-        self.surface.for_neighbours(pair.kept, |n| ring.push(n));
+        let is_hub = self.is_hub(pair.kept);
+        // Around a hub that stays where it is, only the lost point's star has changed.
+        let is_part = is_hub
+            && self.order == Order::Linear
+            && self.patch.facets().len() == self.patch.facets_of_lost().len()
+            && !self.is_time_around_hub(pair.kept);
+        if is_part {
+            ring.extend(self.patch.facets_of_lost().iter().flat_map(|facet| facet.others));
+            ring.extend(self.patch.thirds());
+        } else {
+            self.surface.for_neighbours(pair.kept, |n| ring.push(n));
+        }
         if self.tiled {
             self.touched[pair.kept as usize] = rank;
             for &n in &ring {
@@ -32,13 +43,28 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
             for &n in &ring {
                 let other = self.best[n as usize].other;
-                let state = &mut self.state[n as usize];
                 let stale = memoryless | (other == pair.lost) | (kept_counts & (other == pair.kept));
-                *state |= state::STALE * u8::from(stale);
-                if *state & state::ASLEEP != 0 {
-                    *state = *state & !state::ASLEEP | state::STALE;
-                    self.queue.insert(n, 0.0);
+                let asleep = self.state[n as usize] & state::ASLEEP != 0;
+                if (stale | asleep) && self.is_hub(n) && !self.is_time_for_hub(n) {
+                    continue;
                 }
+                self.state[n as usize] |= state::STALE * u8::from(stale);
+                if asleep {
+                    self.wake(n);
+                }
+            }
+            if is_part {
+                // The hub's own candidates wait for their time; those of others into it do not.
+                let mut others = std::mem::take(&mut self.dead);
+                others.clear();
+                others.extend(self.patch.facets_of_lost().iter().map(|facet| facet.others[1]));
+                self.offer_to(pair.kept, &others);
+                self.dead = others;
+                ring.clear();
+                self.partners.for_each(&self.surface, self.parts.as_deref(), pair.kept, |n| ring.push(n));
+                self.offer(pair.kept, &ring);
+                self.ring = ring;
+                return;
             }
             self.state[pair.kept as usize] &= !state::ASLEEP;
             if memoryless {
@@ -83,6 +109,17 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.offer_one(other, point, self.judge().cost(other, point));
         }
         self.costs = costs;
+    }
+
+    /// Looks at the pairs of others with a hub, in the direction into the hub.
+    fn offer_to(&mut self, hub: u32, others: &[u32]) {
+        for &other in others.iter().filter(|&&other| other != hub) {
+            let (low, high) =
+                if self.is_symmetric() { (other.min(hub), other.max(hub)) } else { (other, hub) };
+            if low != hub {
+                self.offer_one(low, high, self.judge().cost(low, high));
+            }
+        }
     }
 
     #[inline]

@@ -2,11 +2,12 @@
 
 use crate::mesh::Mesh;
 
+use super::super::candidates::Candidate;
 use super::super::metric::ErrorMetric;
 use super::super::reorder;
 use super::super::report::{Refusal, SimplifyReport, StopReason};
 use super::super::sequence::CollapseSequence;
-use super::{Engine, state};
+use super::{Engine, Legal, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
     /// Per oracle the candidates of the final mesh that it is the first to refuse.
@@ -21,16 +22,29 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 others.sort_unstable();
                 others.dedup();
                 for &other in &others {
-                    self.legal(point, other);
+                    if let Some(Legal { candidate: Candidate { pair, x, .. }, .. }) = self.legal(point, other)
+                    {
+                        let guard = self.guard_limit();
+                        if self.may_exceed(guard, pair, x)
+                            && self.errors.measure(&self.surface, &self.patch, pair, x).surface > guard
+                        {
+                            self.watch.standing += 1;
+                        }
+                    }
                 }
             }
         }
-        std::mem::replace(&mut self.refusals, asked)
+        let mut standing = std::mem::replace(&mut self.refusals, asked);
+        // A rule that gives way does not stand in the way.
+        for (oracle, count) in self.oracles.iter().zip(&mut standing) {
+            *count = if oracle.surcharge().is_some() { 0 } else { *count };
+        }
+        standing
     }
 
     /// The sequence, in order and cut at its targets.
     pub(super) fn finish(mut self, mesh: &Mesh, stop: StopReason) -> CollapseSequence {
-        let standing = if matches!(stop, StopReason::NothingLegal | StopReason::Error) {
+        let standing = if matches!(stop, StopReason::NothingLegal | StopReason::Error | StopReason::Guard) {
             self.standing_refusals()
         } else {
             vec![0; self.oracles.len()]
@@ -50,23 +64,25 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });
         }
-        let report = SimplifyReport {
-            stop,
-            steps: 0,
-            triangles: 0,
-            vertices: 0,
-            error: 0.0,
-            parts_removed: 0,
-            refusals,
-        };
-        let mut sequence = self.recorder.finish(report);
+        if self.watch.refused > 0 {
+            let (count, standing) = (self.watch.refused, self.watch.standing);
+            refusals.push(Refusal { oracle: "guard".to_owned(), count, standing });
+        }
+        let report = SimplifyReport { refusals, ..SimplifyReport::new(stop) };
+        let (mut sequence, mut parts) = self.recorder.finish(report);
         if !sequence.new_vertices.is_empty() {
             sequence.solved = self.metric.attribute_names().to_vec();
         }
         if self.tiled {
-            reorder::sort_by_rank(&mut sequence, &self.ranks);
+            let order = reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
+            // Nothing is noted before the first step that gives something up.
+            let given = order[..sequence.len()].iter().filter_map(|&step| self.given.get(step as usize));
+            given.for_each(|&given| sequence.report.given_up.add(given));
+        } else {
+            self.given.iter().for_each(|&given| sequence.report.given_up.add(given));
         }
+        sequence.tell_apart(&parts);
         sequence.fill_report(mesh);
         if let Some(parts) = &self.parts {
             sequence.report.parts_removed = parts.removed(&sequence.triangle_end, sequence.len());

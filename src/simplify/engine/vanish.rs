@@ -17,6 +17,7 @@ use glam::Vec3;
 use crate::mesh::NONE;
 
 use super::super::candidates::Candidate;
+use super::super::classify::kind;
 use super::super::metric::{ErrorMetric, Pair};
 use super::super::options::Order;
 use super::super::oracle::Collapse;
@@ -159,8 +160,14 @@ impl<M: ErrorMetric> Engine<'_, M> {
             parts.nearest(position, part, (AROUND, f32::MAX), found);
             nearest_triangle(surface, parts, found, tried, position)
         });
-        if self.surface.frame().object_length(error) > self.limits.error {
+        if self.surface.frame().object_length(error.largest()) > self.limits.error {
             self.too_far += 1;
+            self.let_stay(part, parts, &scratch.points);
+            return false;
+        }
+        let guard = self.watch.limit(self.surface.live_triangles() - parts.live(part) as usize);
+        if error.surface > guard {
+            self.watch.refuse(guard);
             self.let_stay(part, parts, &scratch.points);
             return false;
         }
@@ -198,7 +205,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             return None;
         }
         let error = self.errors.measure(&self.surface, &self.patch, pair, x);
-        (self.surface.frame().object_length(error) <= self.limits.error).then_some(point)
+        (self.surface.frame().object_length(error.largest()) <= self.limits.error).then_some(point)
     }
 
     /// The point that a part's vertices are taken for: of its nearest kin, or of whatever is nearest.
@@ -221,19 +228,15 @@ impl<M: ErrorMetric> Engine<'_, M> {
     /// A part that was refused stays for good, and may be simplified as far as it goes.
     fn let_stay(&mut self, part: u32, parts: &mut Parts, points: &[u32]) {
         parts.keep(part);
-        points.iter().for_each(|&point| self.wake(point));
+        for &point in points {
+            self.wake(point);
+        }
     }
 
     /// Wakes every point that sleeps.
     fn wake_all(&mut self) {
-        (0..self.state.len() as u32).for_each(|point| self.wake(point));
-    }
-
-    fn wake(&mut self, point: u32) {
-        let state = &mut self.state[point as usize];
-        if *state & (state::ASLEEP | state::GONE) == state::ASLEEP {
-            *state = *state & !state::ASLEEP | state::STALE;
-            self.queue.insert(point, 0.0);
+        for point in 0..self.state.len() as u32 {
+            self.wake(point);
         }
     }
 
@@ -251,7 +254,12 @@ impl<M: ErrorMetric> Engine<'_, M> {
         takers.clear();
         takers.extend(self.errors.takers());
         let error = self.errors.vanish(&self.surface, points, heir);
-        let error = self.surface.frame().object_length(error);
+        self.watch.reached(error.surface);
+        if !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL)) {
+            // Nothing gives.
+            self.given.push(0);
+        }
+        let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
         let goes = |point: &u32| *point != stays;
         if stays == NONE {
             let corner = self.surface.star(heir).next();
@@ -268,7 +276,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         // In order: after what changed the part, its heir and the triangles that took its witnesses, and before what
         // changes those next.
         self.tiled |= self.queue.is_tiled();
-        let mut rank = self.queue.rank().max(self.vanishing.floor).max(scratch.floor);
+        let mut rank = (self.first_rank + self.queue.rank()).max(self.vanishing.floor).max(scratch.floor);
         if self.tiled {
             corners.clear();
             let real = takers.iter().filter(|&&t| t != NONE);

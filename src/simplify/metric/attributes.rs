@@ -11,15 +11,14 @@
 //! precision suffices (compare `quadric.rs`). A wedge's quadric goes where the wedge goes, so seams keep their sides
 //! apart: the cost of a collapse is the sum over the lost point's wedges, each at the wedge it would become.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
-use super::solve::Symmetric;
 use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
 use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
-use crate::simplify::oracle::WedgeMap;
 use crate::simplify::surface::Surface;
+use crate::simplify::wedge_map::WedgeMap;
 
 /// Which attributes count, and how much.
 ///
@@ -68,11 +67,11 @@ impl<'a> Attributes<'a> {
     }
 
     /// The customary weight of normals.
-    pub const NORMAL_WEIGHT: f32 = 0.003;
+    pub const NORMAL_WEIGHT: f32 = 0.004;
     /// The customary weight of colours.
     pub const COLOR_WEIGHT: f32 = 0.01;
     /// What a texture that slides along the surface is worth, as a share of the way it slides.
-    pub const SLIDE_WEIGHT: f32 = 0.1;
+    pub const SLIDE_WEIGHT: f32 = 0.4;
 
     /// Counts [`names::NORMAL`], where the mesh has it.
     #[must_use]
@@ -262,10 +261,6 @@ impl Slopes {
     fn at(&self, d: Vec3) -> Vec4 {
         self.x * d.x + self.y * d.y + self.z * d.z + self.offset
     }
-
-    fn slope(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
-    }
 }
 
 /// The corner of a triangle after each.
@@ -409,54 +404,53 @@ impl<M> WithAttributes<M> {
         all
     }
 
-    /// Adds what two wedges that become one are off by, as a function of position: for every scalar the value
-    /// `(slopes . d + offsets) / area` that is best there is put in.
+    /// Adds what two wedges that become one are off by, as a function of position: for every scalar the value that is
+    /// best there is put in.
+    ///
+    /// With `u` the value less that of `lost`, the sum of both is, in `u`, `area u^2 - 2 u (slope . d + offset)`, and least
+    /// where `u = (slope . d + offset) / area`.
+    #[inline]
     fn add_wedges(&self, all: &mut AttributeQuadric, lost: u32, kept: u32) {
-        let wedges = if lost == kept { &[lost][..] } else { &[lost, kept][..] };
-        let area: f64 = wedges.iter().map(|&w| f64::from(self.heads[w as usize].area)).sum();
-        for &wedge in wedges {
-            let head = &self.heads[wedge as usize];
-            let t = (head.origin - all.origin).as_dvec3();
-            let a = Symmetric(head.a.map(f64::from));
-            let (at, b) = (a.times(t), head.b.as_dvec3());
-            all.h.add(&a);
-            all.b += b - at;
-            all.constant += t.dot(at) - 2.0 * b.dot(t) + f64::from(head.c);
+        let (first, second) = (&self.heads[lost as usize], &self.heads[kept as usize]);
+        // Where no edge joins two parts they may be one wedge already.
+        let alone = f32::from(u8::from(lost != kept));
+        let t = second.origin - all.origin;
+        let at = second.times(t);
+        let part = second.area * alone;
+        let area = first.area + part;
+        let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
+        let mut h = [Vec4::ZERO; 6];
+        let (mut b, mut c) = ([Vec4::ZERO; 3], Vec4::ZERO);
+        let values = self.values_of(lost).iter().zip(self.values_of(kept));
+        let slopes = self.slopes_of(lost).iter().zip(self.slopes_of(kept));
+        for ((from, to), (s, r)) in values.zip(slopes) {
+            let u = *to - *from;
+            // About the values of `lost`, and where the lost point lies.
+            let there = (r.offset - (r.x * t.x + r.y * t.y + r.z * t.z)) * alone;
+            let offset = s.offset + there + part * u;
+            let [x, y, z] = [s.x + r.x * alone, s.y + r.y * alone, s.z + r.z * alone];
+            let [xi, yi, zi] = [x * inverse, y * inverse, z * inverse];
+            let terms = [x * xi, y * yi, z * zi, x * yi, x * zi, y * zi];
+            h.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            b[0] += r.x * u * alone - xi * offset;
+            b[1] += r.y * u * alone - yi * offset;
+            b[2] += r.z * u * alone - zi * offset;
+            c += u * (part * u + 2.0 * there) - offset * offset * inverse;
         }
-        all.area += area as f32;
-        if area <= 0.0 {
-            return;
+        for i in 0..6 {
+            all.h.0[i] += f64::from(first.a[i]) + f64::from(second.a[i] * alone) - f64::from(sum(h[i]));
         }
-        let base = self.values_of(lost);
-        for block in 0..self.stride {
-            for lane in 0..4 {
-                let (mut slope, mut offset) = (DVec3::ZERO, 0.0);
-                for &wedge in wedges {
-                    let head = &self.heads[wedge as usize];
-                    let t = (head.origin - all.origin).as_dvec3();
-                    let slopes = &self.slopes_of(wedge)[block];
-                    let g = slopes.slope(lane).as_dvec3();
-                    // About the values of `lost`: the wedge's own are off by `u` from these.
-                    let u = f64::from(self.values_of(wedge)[block][lane]) - f64::from(base[block][lane]);
-                    let o = f64::from(slopes.offset[lane]) - g.dot(t);
-                    let a = f64::from(head.area);
-                    // The value v lies v - u from the wedge's own.
-                    slope += g;
-                    offset += o + a * u;
-                    all.constant += u * (a * u + 2.0 * o);
-                    all.b += g * u;
-                }
-                all.h.add_scaled_outer(slope, -1.0 / area);
-                all.b -= slope * (offset / area);
-                all.constant -= offset * offset / area;
-            }
-        }
+        let slopes = Vec3::from_array(b.map(sum));
+        all.b += (first.b + (second.b - at) * alone + slopes).as_dvec3();
+        all.constant += f64::from(first.c + (t.dot(at) - 2.0 * second.b.dot(t) + second.c) * alone + sum(c));
+        all.area += area;
     }
 
     /// The quadrics of the surface as it is. Their sums run over the triangles in order, so they are the same always.
     fn build(&mut self, surface: &Surface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
-        let count = triangles().flat_map(|t| surface.corner_vertices(t)).max().map_or(0, |v| v as usize + 1);
+        let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
+        let count = vertices.max().map_or(0, |v| v as usize + 1);
         self.unit = (self.diagonal * surface.frame().scale()) as f32;
         self.values.clear();
         self.values.extend(self.source.iter().map(|x| *x * self.unit));
@@ -471,7 +465,9 @@ impl<M> WithAttributes<M> {
             if let Some(corners) = surface.triangle(t) {
                 points = corners;
             }
-            self.add_triangle(points.map(|p| surface.at(p)), surface.corner_vertices(t));
+            for layer in surface.layers(t) {
+                self.add_triangle(points.map(|p| surface.at(p)), layer.vertices);
+            }
         }
     }
 
@@ -619,7 +615,8 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         if self.is_idle() {
             return;
         }
-        let one_wedge = surface.has_seams() && surface.kind(lost) & kind::FEATURE == 0;
+        let is_plain = surface.kind(lost) & kind::FEATURE == 0 && !surface.has_sheets();
+        let one_wedge = surface.has_seams() && is_plain;
         let mut star = surface.star(lost);
         for (&kept, cost) in kept.iter().zip(costs) {
             let pair = Pair { lost, kept };
@@ -710,7 +707,7 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }
-    if surface.kind(pair.lost) & kind::FEATURE == 0 {
+    if surface.kind(pair.lost) & kind::WEDGES == 0 {
         // One wedge: any triangle on the edge tells.
         for corner in surface.star(pair.lost) {
             if let Some(side) = corner.others.iter().position(|&o| o == pair.kept) {
@@ -720,7 +717,12 @@ fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
             }
         }
     }
-    let map = WedgeMap::new(surface, pair);
+    // While seams hold, a wedge without a partner makes the collapse illegal whatever it costs.
+    let map = if surface.holds(kind::SEAM) {
+        WedgeMap::new(surface, pair)
+    } else {
+        WedgeMap::chosen(surface, pair)
+    };
     map.pairs().iter().for_each(|&[from, to]| visit(from, to));
     if map.pairs().is_empty() {
         // No edge: two parts are being joined, and one wedge stands for all.

@@ -2,10 +2,14 @@
 //!
 //! `E_norm = max (1 - o . n)` over the triangles that survive, `o` and `n` their unit normals before and after: 0 where
 //! none turns, 1 at a right angle, 2 upside down. Removed triangles have no normal afterwards and do not count.
+//! Rims (borders, borders between materials, creases) add the length of the edge times the area that they sweep: on a
+//! plane no normal turns and nothing is swept when a corner is cut off.
 
 use glam::{DVec3, Vec3};
 
-use super::region::{Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region};
+use super::region::{
+    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
+};
 use super::unsigned_volume::{swept, swept_to_kept};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
@@ -47,14 +51,16 @@ impl ErrorMetric for Hybrid {
         let x = Vec3::from(position).as_dvec3();
         let mut largest: f64 = 0.0;
         for_region(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
-        finite(swept(surface, pair, x) * largest)
+        finite(swept(surface, pair, x) * largest + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
         let x = at(surface, pair.kept);
         let mut largest: f64 = 0.0;
         for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
-        finite(swept_to_kept(surface, pair) * largest)
+        finite(
+            swept_to_kept(surface, pair) * largest + length(surface, pair) * swept_by_rims(surface, pair, x),
+        )
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {

@@ -4,7 +4,8 @@
 //! the position solves, in this order, whatever is compatible with what came before (1 degree):
 //!   volume preservation     sum of the signed volumes swept = 0
 //!   boundary preservation   the signed areas swept by the border sum to the shortest vector
-//!   optimisation            1/2 f_V + 1/2 L^2 f_B least; f_V the squared volumes, f_B the squared areas, L the length
+//!   optimisation            1/2 f_V + 1/2 L^2 f_B least; f_V the squared volumes, f_B the squared areas that rims sweep
+//!                           (borders, borders between materials, creases), L the length
 //!   triangle shape          the squared lengths of the new edges least: only where all above leave a choice (planes)
 //! cost = 1/2 f_V + 1/2 L^2 f_B
 //! ```
@@ -13,7 +14,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::region::{at, finite, for_border_edges, for_region};
+use super::region::{at, finite, for_border_edges, for_region, for_rims};
 use super::solve::{Constraints, Symmetric, minimise_on_plane};
 use super::stars::{Stars, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
@@ -52,9 +53,9 @@ impl LindstromTurk {
         (squares / count.max(1) as f64).sqrt()
     }
 
-    /// Volumes and borders of a candidate with a point on a border, relative to the lost point.
+    /// Volumes and rims of a candidate with a point on a curve, relative to the lost point.
     #[cold]
-    fn at_border(&self, surface: &Surface, pair: Pair) -> (Sum, Border) {
+    fn at_rim(&self, surface: &Surface, pair: Pair) -> (Sum, Border) {
         let mut sum = self.stars.region(surface, pair);
         let border = Border::new(surface, pair);
         let length2 = (at(surface, pair.kept) - at(surface, pair.lost)).length_squared();
@@ -67,11 +68,11 @@ impl LindstromTurk {
 }
 
 #[inline]
-fn is_at_border(surface: &Surface, pair: Pair) -> bool {
-    surface.is_border(pair.lost) | surface.is_border(pair.kept)
+fn is_at_rim(surface: &Surface, pair: Pair) -> bool {
+    surface.is_on_curve(pair.lost) | surface.is_on_curve(pair.kept)
 }
 
-/// The areas that border edges sweep, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
+/// The areas that borders and rims sweep, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
 /// `e = q - p` and `s = p * q`, where * is the vector product.
 #[derive(Debug, Clone, Copy, Default)]
 struct Border {
@@ -92,6 +93,10 @@ impl Border {
             let (e, s) = (q - p, p.cross(q));
             border.e += e;
             border.s += s;
+        });
+        for_rims(surface, pair, |p, q| {
+            let (p, q) = (p - origin, q - origin);
+            let (e, s) = (q - p, p.cross(q));
             // |s - x * e|^2 = x'(|e|^2 - ee')x - 2 (e * s).x + |s|^2
             border.h.add(&Symmetric::identity(e.length_squared()));
             border.h.subtract_outer(e);
@@ -120,8 +125,8 @@ impl ErrorMetric for LindstromTurk {
 
     fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
-        let sum = if is_at_border(surface, pair) {
-            self.at_border(surface, pair).0
+        let sum = if is_at_rim(surface, pair) {
+            self.at_rim(surface, pair).0
         } else {
             self.stars.region(surface, pair)
         };
@@ -148,8 +153,8 @@ impl ErrorMetric for LindstromTurk {
     ) -> Option<([f32; 3], f32)> {
         let counts = attributes.area > 0.0;
         let rate = if counts { self.double_area(surface, pair) } else { 0.0 };
-        if is_at_border(surface, pair) {
-            let (mut sum, border) = self.at_border(surface, pair);
+        if is_at_rim(surface, pair) {
+            let (mut sum, border) = self.at_rim(surface, pair);
             attributes.add_to(&mut sum, rate);
             return place(surface, pair, &sum, Some(&border));
         }

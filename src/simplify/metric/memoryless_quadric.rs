@@ -11,11 +11,11 @@ use super::stars::{Stars, Sum, Weight};
 use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
-/// Weight of the planes upright on borders and feature edges against triangles of the same area.
+/// Weight of the planes upright on borders, feature edges and creases against triangles of the same area.
 const UPRIGHT: f64 = 4.0;
 
 /// Squared distances to the planes of the triangles around both points, each once, weighted by area; and to planes
-/// upright on borders and feature edges.
+/// upright on borders, feature edges and creases.
 #[derive(Debug, Clone)]
 pub struct MemorylessQuadric {
     stars: Stars,

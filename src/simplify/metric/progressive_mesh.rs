@@ -17,7 +17,7 @@ use super::stars::{Stars, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
-/// Weight of the planes upright on borders and feature edges against that of a triangle's plane.
+/// Weight of the planes upright on borders, feature edges and creases against that of a triangle's plane.
 const UPRIGHT: f64 = 4.0;
 
 /// Distances to planes plus springs.

@@ -91,6 +91,36 @@ pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl Fn
     }
 }
 
+/// Calls `visit` with the ends of every rim at either point that the collapse moves, each once: borders, non-manifold
+/// edges, borders between materials and creases, but no seams across which the surface goes on. The edge between the two
+/// is among them where it is one.
+pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
+    for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
+        if surface.is_on_curve(point) {
+            surface.for_rims(point, |end| {
+                if !(end == other && point == pair.kept) {
+                    visit(at(surface, point), at(surface, end));
+                }
+            });
+        }
+    }
+}
+
+/// The area that rims sweep when both points go to `x`; those of the kept point sweep none where that stays.
+pub(super) fn swept_by_rims(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
+    let mut sum = 0.0;
+    if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
+        for_rims(surface, pair, |p, q| sum += (p - x).cross(q - x).length());
+    }
+    0.5 * sum
+}
+
+/// Length of a candidate's edge.
+#[inline]
+pub(super) fn length(surface: &Surface, pair: Pair) -> f64 {
+    (at(surface, pair.kept) - at(surface, pair.lost)).length()
+}
+
 /// A cost fit for the queue: not negative, finite, a number.
 #[inline]
 pub(super) fn finite(cost: f64) -> f32 {

@@ -25,14 +25,6 @@ impl Symmetric {
         self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
 
-    /// Adds `n n'` times a number.
-    #[inline]
-    pub fn add_scaled_outer(&mut self, n: DVec3, factor: f64) {
-        let w = n * factor;
-        let terms = [w.x * n.x, w.y * n.y, w.z * n.z, w.x * n.y, w.x * n.z, w.y * n.z];
-        self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-    }
-
     /// Takes `n n'` away.
     #[inline]
     pub fn subtract_outer(&mut self, n: DVec3) {

@@ -15,7 +15,6 @@ use glam::{DVec3, Vec3};
 use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
-use crate::simplify::classify::kind;
 use crate::simplify::surface::Surface;
 
 /// How much the plane of a triangle counts, as a length for its normal.
@@ -77,7 +76,7 @@ pub(super) struct Stars {
     normals: Vec<Vec3>,
     stars: Vec<Star>,
     weight: Weight,
-    /// Weight of the planes upright on feature edges, each like a triangle of the edge's square; 0: none.
+    /// Weight of the planes upright on feature edges and creases, each like a triangle of the edge's square; 0: none.
     upright: f64,
 }
 
@@ -125,10 +124,10 @@ impl Stars {
             star.planes.add_outer(normal);
             star.normals += normal;
         }
-        if self.upright > 0.0 && surface.kind(point) & kind::FEATURE != 0 {
+        if self.upright > 0.0 && surface.is_on_curve(point) {
             for corner in surface.star(point) {
                 for other in corner.others {
-                    if self.is_feature(surface, point, other) {
+                    if surface.is_curve_edge(point, other) {
                         star.planes.add(&self.upright(surface, point, other, corner.triangle));
                     }
                 }
@@ -141,10 +140,6 @@ impl Stars {
     #[inline]
     pub fn squares(&self, point: u32) -> f64 {
         self.stars[point as usize].planes.trace()
-    }
-
-    fn is_feature(&self, surface: &Surface, point: u32, other: u32) -> bool {
-        surface.kind(other) & kind::FEATURE != 0 && surface.is_feature_edge(point, other)
     }
 
     /// The plane through an edge, upright on one of its triangles.
@@ -169,8 +164,7 @@ impl Stars {
             h.subtract_outer(normal);
             normals -= normal;
         });
-        let features = surface.kind(pair.lost) & surface.kind(pair.kept) & kind::FEATURE != 0;
-        if features && self.upright > 0.0 && self.is_feature(surface, pair.lost, pair.kept) {
+        if self.upright > 0.0 && surface.is_curve_edge(pair.lost, pair.kept) {
             surface.for_shared_triangles(pair.lost, pair.kept, |triangle| {
                 h.add(&self.upright(surface, pair.lost, pair.kept, triangle).scaled(-1.0));
             });

@@ -7,10 +7,15 @@
 //!          \ | /
 //!            c
 //! ```
+//!
+//! Rims (borders, borders between materials, creases) add the length of the edge times the area that they sweep: on a
+//! plane nothing is swept when a corner is cut off.
 
 use glam::{DVec3, Vec3};
 
-use super::region::{at, cheapest_place, cheapest_place_with, finite, for_lost, for_region};
+use super::region::{
+    at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
+};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
 
@@ -48,11 +53,13 @@ impl ErrorMetric for UnsignedVolume {
     fn begin(&mut self, _: &Surface, _: Batch) {}
 
     fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
-        finite(swept(surface, pair, Vec3::from(position).as_dvec3()))
+        let x = Vec3::from(position).as_dvec3();
+        finite(swept(surface, pair, x) + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
     fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
-        finite(swept_to_kept(surface, pair))
+        let rims = swept_by_rims(surface, pair, at(surface, pair.kept));
+        finite(swept_to_kept(surface, pair) + length(surface, pair) * rims)
     }
 
     fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {

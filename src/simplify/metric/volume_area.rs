@@ -2,19 +2,19 @@
 //!
 //! ```text
 //!   penalty = sum |volume| of the tetrahedra swept  +  3 |their signed sum|
-//!           + |v1 - v2| * (1/2 |change of area|  +  area turned upside down  +  area that the border sweeps)
+//!           + |v1 - v2| * (1/2 |change of area|  +  area turned upside down  +  area that rims sweep)
 //!           + a millionth of |v1 - v2|^3
 //! ```
 //!
 //! The paper's formula says nothing of borders (no volume changes when a border point slides along the sheet) and
-//! leaves the order on a plane to chance: the border term and the last one mend that. Its volume variation can be read
+//! leaves the order on a plane to chance: the term of rims (borders, borders between materials, creases) and the last one mend that. Its volume variation can be read
 //! as the signed change or as what is swept; either alone is worse than both, as what is swept measures the distance now
 //! and the signed change adds up over the collapses to come.
 
 use glam::{DVec3, Vec3};
 
 use super::region::{
-    Facet, at, cheapest_place, cheapest_place_with, finite, for_border_edges, for_lost, for_region,
+    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::Surface;
@@ -34,7 +34,7 @@ impl VolumeArea {
 const SIGNED: f64 = 3.0;
 const AREA: f64 = 0.5;
 const INVERSION: f64 = 1.0;
-const BORDER: f64 = 1.0;
+const RIM: f64 = 1.0;
 const TIE: f64 = 1e-6;
 
 /// What a collapse does to its region. Volumes are six times, areas twice what they are called.
@@ -66,13 +66,10 @@ impl Change {
 }
 
 fn penalty(surface: &Surface, pair: Pair, change: &Change, x: DVec3) -> f32 {
-    let length = (at(surface, pair.kept) - at(surface, pair.lost)).length();
-    let mut border = 0.0;
-    if surface.is_border(pair.lost) || surface.is_border(pair.kept) {
-        for_border_edges(surface, pair, |p, q| border += (p - x).cross(q - x).length());
-    }
+    let length = length(surface, pair);
+    let rims = 2.0 * swept_by_rims(surface, pair, x);
     let volumes = change.volume + SIGNED * change.signed.abs();
-    let areas = AREA * change.area.abs() + INVERSION * change.inverted + BORDER * border;
+    let areas = AREA * change.area.abs() + INVERSION * change.inverted + RIM * rims;
     finite(volumes / 6.0 + length * areas / 2.0 + TIE * length.powi(3))
 }
 

@@ -1,0 +1,328 @@
+//! Normals from the triangles, smooth up to a crease angle; and the angle that explains the normals that a mesh has.
+//!
+//! ```text
+//!      \ n1   n2 /        corners around a point are one smoothing group as long as the edges between them turn by
+//!     ___\_____/___       no more than the crease angle; every group gets one normal, the weighted mean of its
+//!    /  smooth |   \      triangles'. Groups that meet in one vertex split it.
+//!   /          | crease
+//! ```
+//!
+//! Edges are smooth or creased as a whole, as in smoothing groups: a crease that ends in a smooth surface splits nothing at
+//! its last point.
+
+use glam::DVec3;
+
+use super::edges::next_half_edge;
+use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
+
+/// Edges that turn by less are flat: no angle makes creases of them, since rounding alone makes as much.
+const FLAT_DEGREES: f64 = 0.05;
+/// Edges of more triangles are creases.
+const MOST_AT_AN_EDGE: usize = 8;
+/// Normals that turn by less across an edge make no crease.
+const SAME_EDGE_DEGREES: f64 = 0.5;
+/// Cosine beyond which two triangles at an edge are the two sides of one sheet.
+const OPPOSITE: f64 = -0.999;
+/// Computed normals within this of the stored ones are the same for the eye.
+const SAME_DEGREES: f64 = 5.0;
+
+/// How much each triangle's normal counts in the mean around a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum NormalWeights {
+    /// By area: large faces stay flat beside small ones.
+    #[default]
+    Area,
+    /// By the corner: `|a x b| / (|a|^2 |b|^2)` for the edges `a` and `b` there, exact for points on a sphere (Max, *Weights
+    /// for Computing Vertex Normals from Facet Normals*, 1999).
+    Corner,
+    /// All the same.
+    Equal,
+}
+
+const ALL_WEIGHTS: [NormalWeights; 3] = [NormalWeights::Area, NormalWeights::Corner, NormalWeights::Equal];
+
+/// Where normals are smooth, and what they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Creases {
+    /// Edges that turn by more than this are creases, degrees, 0 (every edge that is not flat) to 180 (none).
+    pub angle: f32,
+    /// How much each triangle counts in a normal.
+    pub weights: NormalWeights,
+}
+
+impl Creases {
+    /// The angle and weights that explain the normals of a mesh best, and the share of corners whose normals they give to
+    /// within five degrees, 0 to 1. None where there are no normals, or no triangle has an area. O(n log n).
+    pub fn fitted(mesh: &Mesh) -> Option<(Self, f64)> {
+        let normals = stored(mesh)?;
+        let facets = Facets::new(mesh);
+        Self::best(mesh, &facets, &normals, facets.best_angle(mesh, &normals))
+    }
+
+    /// Creases of an angle in degrees, and the weights that explain the normals of a mesh best with it.
+    pub fn with_angle(mesh: &Mesh, angle: f32) -> Self {
+        let best = stored(mesh).and_then(|normals| Self::best(mesh, &Facets::new(mesh), &normals, angle));
+        best.map_or(Self { angle, weights: NormalWeights::default() }, |(creases, _)| creases)
+    }
+
+    /// The share of points at which three or more seams meet that normals alone make: those that nothing can move. 0 where
+    /// there are no normals. O(n).
+    pub(crate) fn hard_share(mesh: &Mesh) -> f64 {
+        let Some(normals) = stored(mesh) else { return 0.0 };
+        let facets = Facets::new(mesh);
+        let bare = Topology::new(&mesh.without_attribute(names::NORMAL));
+        let (point_of, wedge_of) = (bare.point_of(), bare.wedge_of());
+        let vertex = |half_edge: u32| mesh.triangles().as_flattened()[half_edge as usize] as usize;
+        let mut seams = vec![0u32; bare.point_count()];
+        let mut last = [NONE; 2];
+        facets.for_smoothable(|a, b, turn| {
+            let ends = [(vertex(a), vertex(next_half_edge(b))), (vertex(next_half_edge(a)), vertex(b))];
+            let other_seam = ends.iter().any(|&(v, w)| wedge_of[v] != wedge_of[w]);
+            let is_hard = ends.iter().any(|&(v, w)| normals[v].dot(normals[w]) < cos(SAME_EDGE_DEGREES));
+            let points = ends.map(|(v, _)| point_of[v]);
+            // Sides of one sheet look away from each other, and every edge counts once.
+            if is_hard && !other_seam && turn > OPPOSITE && points != last {
+                points.iter().for_each(|&p| seams[p as usize] += 1);
+                last = points;
+            }
+        });
+        let mut used = vec![false; seams.len()];
+        mesh.triangles().as_flattened().iter().for_each(|&v| used[point_of[v as usize] as usize] = true);
+        let used = used.iter().filter(|&&used| used).count();
+        seams.iter().filter(|&&count| count >= 3).count() as f64 / used.max(1) as f64
+    }
+
+    fn best(mesh: &Mesh, facets: &Facets, stored: &[DVec3], angle: f32) -> Option<(Self, f64)> {
+        let groups = facets.groups(angle);
+        let mut best: Option<(Self, f64)> = None;
+        for weights in ALL_WEIGHTS {
+            let of_group = facets.normals(mesh, &groups, weights);
+            let share = facets.share_explained(mesh, &groups, &of_group, stored)?;
+            if best.is_none_or(|(_, known)| share > known) {
+                best = Some((Self { angle, weights }, share));
+            }
+        }
+        best
+    }
+}
+
+impl Mesh {
+    /// The mesh with normals from its triangles, smooth but for creases, instead of those that it has. Vertices between two
+    /// smoothing groups are split: each is there once for each group, in order of first use; vertices that no triangle uses
+    /// go. Tangents are made perpendicular to the new normals. O(n log n).
+    #[must_use]
+    pub fn with_crease_normals(&self, creases: &Creases) -> Mesh {
+        let facets = Facets::new(self);
+        let groups = facets.groups(creases.angle);
+        let normals = facets.normals(self, &groups, creases.weights);
+        // Copies of each vertex: its group, the number of the copy, and the next copy.
+        let mut first = vec![NONE; self.positions().len()];
+        let mut copies: Vec<[u32; 2]> = Vec::new();
+        let (mut order, mut made) = (Vec::new(), Vec::new());
+        let mut triangles = self.triangles().to_vec();
+        for (corner, vertex) in triangles.as_flattened_mut().iter_mut().enumerate() {
+            let group = groups[corner];
+            let mut at = first[*vertex as usize];
+            while at != NONE && copies[at as usize][0] != group {
+                at = copies[at as usize][1];
+            }
+            if at == NONE {
+                at = copies.len() as u32;
+                copies.push([group, first[*vertex as usize]]);
+                first[*vertex as usize] = at;
+                order.push(*vertex);
+                made.push(normals[group as usize].as_vec3().to_array());
+            }
+            *vertex = at;
+        }
+        let mut mesh = self.gather(&order, triangles, self.materials().to_vec());
+        mesh.replace_normals(&made);
+        mesh
+    }
+
+    /// The mesh without normals and tangents.
+    #[must_use]
+    pub fn without_normals(&self) -> Mesh {
+        let mut mesh = self.clone();
+        mesh.attributes.retain(|a| !matches!(a.name(), names::NORMAL | names::TANGENT));
+        mesh
+    }
+
+    /// The mesh without one attribute.
+    pub(crate) fn without_attribute(&self, name: &str) -> Mesh {
+        let mut mesh = self.clone();
+        mesh.attributes.retain(|attribute| attribute.name() != name);
+        mesh
+    }
+
+    fn replace_normals(&mut self, normals: &[[f32; 3]]) {
+        let made = Attribute::floats(names::NORMAL, normals);
+        match self.attributes.iter_mut().find(|attribute| attribute.name() == names::NORMAL) {
+            Some(attribute) => *attribute = made,
+            None => self.attributes.insert(0, made),
+        }
+        let tangents = self.attributes.iter_mut().find(|a| a.name() == names::TANGENT && a.width >= 3);
+        let Some(Attribute { width, values: AttributeValues::Float(values), .. }) = tangents else { return };
+        for (tangent, normal) in values.chunks_mut(*width).zip(normals) {
+            let normal = DVec3::from_array(normal.map(f64::from));
+            let old = DVec3::from_array([tangent[0], tangent[1], tangent[2]].map(f64::from));
+            let flat = (old - normal * normal.dot(old)).normalize_or(normal.any_orthonormal_vector());
+            flat.as_vec3().write_to_slice(&mut tangent[..3]);
+        }
+    }
+}
+
+/// The normals of a mesh, by vertex.
+fn stored(mesh: &Mesh) -> Option<Vec<DVec3>> {
+    let normals = mesh.attribute(names::NORMAL).filter(|normals| normals.width() == 3)?.as_floats()?;
+    let unit = |n: &[f32]| DVec3::new(n[0].into(), n[1].into(), n[2].into()).normalize_or_zero();
+    Some(normals.chunks(3).map(unit).collect())
+}
+
+fn cos(degrees: f64) -> f64 {
+    degrees.to_radians().cos()
+}
+
+/// The triangles of a mesh with what smoothing asks of them.
+struct Facets {
+    /// Unit normals; zero without an area.
+    normals: Vec<DVec3>,
+    edges: Edges,
+}
+
+impl Facets {
+    fn new(mesh: &Mesh) -> Self {
+        let topology = Topology::new(mesh);
+        let point_of = topology.point_of();
+        let corners: Vec<[u32; 3]> =
+            mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+        let normals = mesh.triangles().iter().map(|&t| {
+            let [a, b, c] = places(mesh, t);
+            (b - a).cross(c - a).normalize_or_zero()
+        });
+        Self { normals: normals.collect(), edges: Edges::new(&corners, topology.point_count()) }
+    }
+
+    /// Calls `visit` with every two half-edges that run along an edge in opposite ways, and the cosine of the angle by which
+    /// the surface turns there.
+    fn for_smoothable(&self, mut visit: impl FnMut(u32, u32, f64)) {
+        for edge in 0..self.edges.len() as u32 {
+            if self.edges.half_edges(edge).len() > MOST_AT_AN_EDGE {
+                continue;
+            }
+            for &a in self.edges.forward(edge) {
+                for &b in self.edges.backward(edge) {
+                    let turn = self.normals[a as usize / 3].dot(self.normals[b as usize / 3]);
+                    visit(a, b, turn);
+                }
+            }
+        }
+    }
+
+    /// The smoothing group of every corner: its lowest corner.
+    fn groups(&self, angle: f32) -> Vec<u32> {
+        let least = cos(f64::from(angle).max(FLAT_DEGREES));
+        let mut parent: Vec<u32> = (0..3 * self.normals.len() as u32).collect();
+        fn root(parent: &mut [u32], mut i: u32) -> u32 {
+            while parent[i as usize] != i {
+                parent[i as usize] = parent[parent[i as usize] as usize];
+                i = parent[i as usize];
+            }
+            i
+        }
+        self.for_smoothable(|a, b, turn| {
+            if turn >= least {
+                for (a, b) in [(a, next_half_edge(b)), (next_half_edge(a), b)] {
+                    let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+                    parent[a.max(b) as usize] = a.min(b);
+                }
+            }
+        });
+        (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
+    }
+
+    /// The unit normal of every group, at its lowest corner.
+    fn normals(&self, mesh: &Mesh, groups: &[u32], weights: NormalWeights) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; groups.len()];
+        for (t, (&corners, &normal)) in mesh.triangles().iter().zip(&self.normals).enumerate() {
+            let places = places(mesh, corners);
+            for slot in 0..3 {
+                let [a, b] = [1, 2].map(|next| places[(slot + next) % 3] - places[slot]);
+                let weight = match weights {
+                    NormalWeights::Area => a.cross(b).length(),
+                    NormalWeights::Corner => {
+                        a.cross(b).length() / (a.length_squared() * b.length_squared()).max(f64::MIN_POSITIVE)
+                    }
+                    NormalWeights::Equal => 1.0,
+                };
+                sums[groups[3 * t + slot] as usize] += normal * weight;
+            }
+        }
+        sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z)).collect()
+    }
+
+    /// The share of corners whose stored normal is that of their group.
+    fn share_explained(
+        &self,
+        mesh: &Mesh,
+        groups: &[u32],
+        of_group: &[DVec3],
+        stored: &[DVec3],
+    ) -> Option<f64> {
+        let least = cos(SAME_DEGREES);
+        let (mut all, mut same) = (0usize, 0usize);
+        for (t, corners) in mesh.triangles().iter().enumerate() {
+            if self.normals[t] != DVec3::ZERO {
+                all += 3;
+                let is_same = |slot: &usize| {
+                    of_group[groups[3 * t + slot] as usize].dot(stored[corners[*slot] as usize]) >= least
+                };
+                same += (0..3).filter(is_same).count();
+            }
+        }
+        (all > 0).then(|| same as f64 / all as f64)
+    }
+
+    /// The angle that parts smooth edges from creases with the fewest mistakes, degrees.
+    fn best_angle(&self, mesh: &Mesh, stored: &[DVec3]) -> f32 {
+        let vertex = |half_edge: u32| mesh.triangles().as_flattened()[half_edge as usize] as usize;
+        let same = |a: u32, b: u32| stored[vertex(a)].dot(stored[vertex(b)]) >= cos(SAME_EDGE_DEGREES);
+        let flat = cos(FLAT_DEGREES);
+        let mut edges: Vec<(f64, bool)> = Vec::new();
+        self.for_smoothable(|a, b, turn| {
+            // Sides of one sheet look away from each other; that says nothing.
+            if turn < flat && turn > OPPOSITE {
+                edges.push((turn, same(a, next_half_edge(b)) && same(next_half_edge(a), b)));
+            }
+        });
+        edges.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
+        // Before the first edge all count as creases: every smooth one is a mistake.
+        let mut mistakes = edges.iter().filter(|edge| edge.1).count();
+        let (mut fewest, mut split) = (mistakes, 0);
+        for (i, &(turn, is_smooth)) in edges.iter().enumerate() {
+            if is_smooth {
+                mistakes -= 1;
+            } else {
+                mistakes += 1;
+            }
+            let is_last = edges.get(i + 1).is_none_or(|next| next.0 != turn);
+            if is_last && mistakes < fewest {
+                (fewest, split) = (mistakes, i + 1);
+            }
+        }
+        let degrees = |i: usize| edges[i].0.clamp(-1.0, 1.0).acos().to_degrees();
+        match split {
+            0 => 0.0,
+            _ if split == edges.len() => 180.0,
+            // Levels of detail turn by more at each edge: rather too smooth than too hard.
+            _ => (0.25 * degrees(split - 1) + 0.75 * degrees(split)) as f32,
+        }
+    }
+}
+
+fn places(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
+    triangle.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)))
+}

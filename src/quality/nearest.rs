@@ -1,0 +1,107 @@
+//! Points on a surface: even samples of it, and where it is nearest to any point.
+//!
+//! ```text
+//!     original  --o------o-----o--      sample, find what the level has nearest to it, and compare
+//!                 |      |     |        whatever both carry: normals, texture coordinates, colours, labels
+//!     level     --x------x-----x--
+//! ```
+
+use glam::DVec3;
+
+use super::{
+    DistanceOptions, QualityError, bvh::Bvh, surface::Surface, triangle::angle_at, triangle::weights_at,
+};
+
+/// A point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct SurfacePoint {
+    /// The triangle of the mesh that it lies on.
+    pub triangle: u32,
+    /// Shares of the triangle's corners, 0 to 1, 1 in all.
+    pub weights: [f64; 3],
+    /// Where it lies, object units.
+    pub position: [f64; 3],
+    /// Distance from the point asked about, object units; 0 for samples.
+    pub distance: f64,
+}
+
+impl Surface<'_> {
+    /// Samples of the surface, each of which stands for the same area. O(samples + n).
+    ///
+    /// # Errors
+    /// A number of samples that is not 1 to 2^32.
+    ///
+    /// ```
+    /// use multires::{mesh::shapes, quality::{DistanceOptions, Surface}};
+    /// let cube = shapes::cube();
+    /// let samples = Surface::new(&cube)?.samples(&DistanceOptions::default().with_samples(600))?;
+    /// let top = samples.iter().filter(|sample| sample.position[1] == 1.0).count();
+    /// assert!((98..=102).contains(&top), "a sixth of the area: {top}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn samples(&self, options: &DistanceOptions) -> Result<Vec<SurfacePoint>, QualityError> {
+        options.check()?;
+        let triangle_of = self.bvh().triangle_of();
+        let chunks = self.on_faces(options, Vec::new, |points, slot, weights, point| {
+            points.push(SurfacePoint {
+                triangle: triangle_of[slot as usize],
+                weights,
+                position: point.to_array(),
+                distance: 0.0,
+            });
+        });
+        Ok(chunks.concat())
+    }
+
+    /// Calls `visit` for every point, in order, with its number and the surface's nearest point to it: once for every triangle that
+    /// touches there (two on an edge, more at a corner), the nearest first. Points must be finite; others are passed
+    /// over. O(log n) expected for each.
+    ///
+    /// ```
+    /// use multires::{mesh::shapes, quality::Surface};
+    /// let cube = shapes::cube();
+    /// let mut around = [0, 0];
+    /// Surface::new(&cube)?.nearest(&[[0.5, 3.0, 0.25], [3.0; 3]], |point, places| {
+    ///     assert!((places[0].distance - [2.0, 12f64.sqrt()][point]).abs() < 1e-12);
+    ///     around[point] = places.len();
+    /// });
+    /// assert!(around[0] == 1 && around[1] >= 3, "inside a face, and at a corner");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn nearest(&self, points: &[[f64; 3]], mut visit: impl FnMut(usize, &[SurfacePoint])) {
+        let bvh = self.bvh();
+        let mut walker = bvh.walker();
+        let (mut slots, mut places) = (Vec::new(), Vec::new());
+        for (number, point) in points.iter().enumerate() {
+            let point = DVec3::from_array(*point);
+            if !point.is_finite() {
+                continue;
+            }
+            let nearest = walker.closest(point);
+            slots.clear();
+            slots.push(nearest.slot);
+            let reach = 2.0 * bvh.touch();
+            if angle_at(&bvh.corners(nearest.slot), nearest.point, reach) < std::f64::consts::TAU {
+                walker.touching(nearest.point, |slot| {
+                    if slot != nearest.slot {
+                        slots.push(slot);
+                    }
+                });
+            }
+            places.clear();
+            let distance = nearest.distance_squared.sqrt();
+            places.extend(slots.iter().map(|&slot| place(bvh, slot, nearest.point, distance)));
+            visit(number, &places);
+        }
+    }
+}
+
+fn place(bvh: &Bvh, slot: u32, point: DVec3, distance: f64) -> SurfacePoint {
+    SurfacePoint {
+        triangle: bvh.triangle_of()[slot as usize],
+        weights: weights_at(&bvh.corners(slot), point),
+        position: point.to_array(),
+        distance,
+    }
+}

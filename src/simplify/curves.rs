@@ -1,0 +1,335 @@
+//! The curves of a surface, and what has become of them: borders, non-manifold edges, seams, borders between materials,
+//! and creases.
+//!
+//! ```text
+//!     input   a---b---c---d---e          A curve of a level is the image of the input's curve under the merges, as the
+//!                  \ b -> c              level is the image of the input's triangles: edges with two equal ends are
+//!     level   a-------c---d---e          gone, equal edges are one. So no rule and no mode can lose track of it.
+//! ```
+//!
+//! An edge is a feature by what its triangles say (`classify.rs`). A crease is an edge where two triangles meet at more
+//! than 41.4 degrees (a cosine of 3/4: an eight-sided prism has edges, a ten-sided one is round, and a chamfer of 45
+//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, at least
+//! [`LEAST_CREASES`] connected ones, along which nearly all bending is theirs. Scans are full of edges as sharp, in short
+//! pieces that are relief or noise: how far those slide over the surface is no error.
+
+use glam::Vec3;
+
+use crate::mesh::NONE;
+
+use super::classify::kind;
+use super::surface::Surface;
+
+/// Cosine of the angle between two triangles' normals below which their edge is a crease.
+const CREASE: f32 = 0.75;
+/// Two normals that are both this close to a third are no crease apart: half the angle.
+const HALF_CREASE: f32 = 0.935_414_3;
+/// Fewest creases that hang together, on meshes large enough to have them.
+const LEAST_CREASES: usize = 12;
+/// Least share of the bending around a crease's points that is the creases' own: what rims of a ten-sided hole have.
+const LEAST_SHARE: f32 = 10.0 / 11.0;
+
+/// The curve edges between points, doubly linked around each point.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Curves {
+    /// First entry of every point: twice the edge and which of its ends the point is. Empty where there are no curves.
+    first: Vec<u32>,
+    /// The points of every edge; `NONE` once it is gone.
+    ends: Vec<[u32; 2]>,
+    /// Whether each edge is more than a seam: a border, a non-manifold edge, one between materials, or a crease.
+    rims: Vec<bool>,
+    /// Per entry the one before and the one after it around its point.
+    links: Vec<[u32; 2]>,
+}
+
+impl Curves {
+    /// The curves of a surface that is classified. O(n), plus O(k log k) around a point of valence k.
+    pub fn new(surface: &Surface) -> Self {
+        let mut found = creases(surface);
+        let features = (0..surface.point_count() as u32).filter(|&p| surface.kind(p) & kind::FEATURE != 0);
+        let mut around = Vec::new();
+        for point in features {
+            around.clear();
+            around
+                .extend(surface.star(point).flat_map(|corner| corner.others).filter(|&other| other > point));
+            around.sort_unstable();
+            around.dedup();
+            let is_feature = |&other: &u32| {
+                surface.kind(other) & kind::FEATURE != 0 && surface.is_feature_edge(point, other)
+            };
+            found.extend(around.iter().copied().filter(is_feature).map(|other| [point, other]));
+        }
+        found.sort_unstable();
+        found.dedup();
+        let mut curves = Self::of_edges(found, surface.point_count());
+        let is_rim = |&[u, v]: &[u32; 2]| match surface.edge_kind(u, v) {
+            Some(kind::SEAM) => is_bent(surface, u, v),
+            _ => true,
+        };
+        curves.rims = curves.ends.iter().map(is_rim).collect();
+        curves
+    }
+
+    fn of_edges(ends: Vec<[u32; 2]>, points: usize) -> Self {
+        if ends.is_empty() {
+            return Self::default();
+        }
+        let mut curves = Self {
+            first: vec![NONE; points],
+            rims: vec![true; ends.len()],
+            links: vec![[NONE; 2]; 2 * ends.len()],
+            ends,
+        };
+        for entry in (0..curves.links.len() as u32).rev() {
+            let point = curves.ends[(entry >> 1) as usize][(entry & 1) as usize];
+            curves.push(point, entry);
+        }
+        curves
+    }
+
+    /// Whether there are none, and never were.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.first.is_empty()
+    }
+
+    /// Number of edges, gone ones included.
+    pub fn edge_count(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The points of an edge.
+    pub fn ends(&self, edge: u32) -> [u32; 2] {
+        self.ends[edge as usize]
+    }
+
+    /// Whether an edge is more than a seam.
+    pub fn is_rim(&self, edge: u32) -> bool {
+        self.rims[edge as usize]
+    }
+
+    /// The edges around a point, and the point at the other end of each.
+    #[inline]
+    pub fn around(&self, point: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let mut at = self.first.get(point as usize).copied().unwrap_or(NONE);
+        std::iter::from_fn(move || {
+            (at != NONE).then(|| {
+                let entry = at;
+                at = self.links[entry as usize][1];
+                [entry >> 1, self.other(entry)]
+            })
+        })
+    }
+
+    /// The edge between two points. Goes around both at once: O(fewer edges).
+    pub fn find(&self, u: u32, v: u32) -> Option<u32> {
+        let mut around_v = self.around(v);
+        for [edge, other] in self.around(u) {
+            if other == v {
+                return Some(edge);
+            }
+            match around_v.next() {
+                Some([edge, other]) if other == u => return Some(edge),
+                Some(_) => {}
+                None => return None,
+            }
+        }
+        None
+    }
+
+    #[inline]
+    fn other(&self, entry: u32) -> u32 {
+        self.ends[(entry >> 1) as usize][(entry & 1 ^ 1) as usize]
+    }
+
+    fn push(&mut self, point: u32, entry: u32) {
+        let first = std::mem::replace(&mut self.first[point as usize], entry);
+        self.links[entry as usize] = [NONE, first];
+        if first != NONE {
+            self.links[first as usize][0] = entry;
+        }
+    }
+
+    fn unlink(&mut self, entry: u32) {
+        let [before, after] = self.links[entry as usize];
+        match before {
+            NONE => {
+                let point = self.ends[(entry >> 1) as usize][(entry & 1) as usize];
+                self.first[point as usize] = after;
+            }
+            before => self.links[before as usize][1] = after,
+        }
+        if after != NONE {
+            self.links[after as usize][0] = before;
+        }
+    }
+
+    /// Merges a point into another. An edge between both goes, and so does one of `lost` to where `kept` has one.
+    pub fn merge(&mut self, lost: u32, kept: u32) {
+        let mut at = std::mem::replace(&mut self.first[lost as usize], NONE);
+        while at != NONE {
+            let next = self.links[at as usize][1];
+            let other = self.other(at);
+            if other == kept || self.find(kept, other).is_some() {
+                self.unlink(at ^ 1);
+                self.ends[(at >> 1) as usize] = [NONE; 2];
+            } else {
+                self.ends[(at >> 1) as usize][(at & 1) as usize] = kept;
+                self.push(kept, at);
+            }
+            at = next;
+        }
+    }
+}
+
+/// Whether the triangles on an edge meet at an angle that makes a crease.
+fn is_bent(surface: &Surface, u: u32, v: u32) -> bool {
+    let (mut first, mut bent) = (None, false);
+    surface.for_shared_triangles(u, v, |triangle| {
+        let Some([p, q, r]) = surface.triangle(triangle).map(|points| points.map(|p| surface.at(p))) else {
+            return;
+        };
+        let normal = (q - p).cross(r - p).normalize_or_zero();
+        let other = *first.get_or_insert(normal);
+        bent |= normal.dot(other) < CREASE;
+    });
+    bent
+}
+
+/// What creases are found with.
+struct Bends<'a> {
+    surface: &'a Surface,
+    /// Twice the area long.
+    normals: Vec<Vec3>,
+}
+
+impl Bends<'_> {
+    /// Whether all normals around a point are so close to the first that no two can meet at a crease.
+    fn is_smooth(&self, point: u32) -> bool {
+        let mut triangles = self.surface.star_triangles(point).map(|t| self.normals[t as usize]);
+        let Some(first) = triangles.next() else { return true };
+        let least = HALF_CREASE * HALF_CREASE * first.length_squared();
+        triangles.all(|normal| {
+            let dot = first.dot(normal);
+            dot > 0.0 && dot * dot >= least * normal.length_squared()
+        })
+    }
+
+    /// Calls `visit` with every neighbour of a point across an edge of two triangles with areas, and the cosine of the
+    /// angle between them.
+    fn for_each(&self, point: u32, around: &mut Vec<(u32, u32, bool)>, mut visit: impl FnMut(u32, f32)) {
+        around.clear();
+        for corner in self.surface.star(point) {
+            let [a, b] = corner.others;
+            around.extend([(a, corner.triangle, true), (b, corner.triangle, false)]);
+        }
+        around.sort_unstable();
+        for edge in around.chunk_by(|a, b| a.0 == b.0) {
+            let &[(other, s, out), (_, t, again)] = edge else { continue };
+            let [n, m] = [s, t].map(|t| self.normals[t as usize]);
+            let lengths = n.length() * m.length();
+            if lengths > f32::MIN_POSITIVE {
+                let cosine = n.dot(m) / lengths;
+                // Triangles that run the same way along their edge do not agree on what is outside.
+                visit(other, if out == again { -cosine } else { cosine });
+            }
+        }
+    }
+}
+
+/// The creases of a surface, the lower end first. O(n), plus O(k log k) around a point of valence k that has any.
+fn creases(surface: &Surface) -> Vec<[u32; 2]> {
+    let normal = |t: u32| match surface.triangle(t).map(|points| points.map(|p| surface.at(p))) {
+        Some([p, q, r]) => (q - p).cross(r - p),
+        None => Vec3::ZERO,
+    };
+    let normals = (0..surface.triangle_count() as u32).map(normal).collect();
+    let bends = Bends { surface, normals };
+    let mut around = Vec::new();
+    let mut found: Vec<[u32; 2]> = Vec::new();
+    let mut bending: Vec<(f32, f32)> = Vec::new();
+    for point in 0..surface.point_count() as u32 {
+        if bends.is_smooth(point) {
+            continue;
+        }
+        let is_feature = surface.kind(point) & kind::FEATURE != 0;
+        bends.for_each(point, &mut around, |other, cosine| {
+            let ordinary = !is_feature
+                || surface.kind(other) & kind::FEATURE == 0
+                || !surface.is_feature_edge(point, other);
+            if cosine < CREASE && other > point && ordinary {
+                found.push([point, other]);
+            }
+        });
+    }
+    if found.is_empty() {
+        return found;
+    }
+    without_loose_ends(surface, &mut found);
+    // Pieces that hang together, by union of their points.
+    let mut piece: Vec<u32> = (0..surface.point_count() as u32).collect();
+    fn root(piece: &mut [u32], mut point: u32) -> u32 {
+        while piece[point as usize] != point {
+            piece[point as usize] = piece[piece[point as usize] as usize];
+            point = piece[point as usize];
+        }
+        point
+    }
+    for &[u, v] in &found {
+        let [u, v] = [u, v].map(|p| root(&mut piece, p));
+        piece[u.max(v) as usize] = u.min(v);
+    }
+    let mut counts = vec![0usize; surface.point_count()];
+    bending.resize(surface.point_count(), (0.0, 0.0));
+    let mut points: Vec<u32> = found.as_flattened().to_vec();
+    points.sort_unstable();
+    points.dedup();
+    for &[u, _] in &found {
+        counts[root(&mut piece, u) as usize] += 1;
+    }
+    for &point in &points {
+        let sum = &mut bending[root(&mut piece, point) as usize];
+        bends.for_each(point, &mut around, |other, cosine| {
+            let bend = 1.0 - cosine.min(1.0);
+            sum.1 += bend;
+            let edge = [point.min(other), point.max(other)];
+            if cosine < CREASE && found.binary_search(&edge).is_ok() {
+                sum.0 += bend;
+            }
+        });
+    }
+    let least = LEAST_CREASES.min(surface.live_points().isqrt());
+    found.retain(|&[u, _]| {
+        let root = root(&mut piece, u) as usize;
+        let (own, all) = bending[root];
+        counts[root] >= least && own >= LEAST_SHARE * all
+    });
+    found
+}
+
+/// Takes creases away that end at a point where no other crease and no feature goes on, and what then ends there.
+fn without_loose_ends(surface: &Surface, creases: &mut Vec<[u32; 2]>) {
+    let curves = Curves::of_edges(creases.clone(), surface.point_count());
+    let mut left: Vec<u32> =
+        (0..surface.point_count() as u32).map(|p| curves.around(p).count() as u32).collect();
+    let is_held = |point: u32| surface.kind(point) & kind::FEATURE != 0;
+    let mut loose: Vec<u32> =
+        (0..left.len() as u32).filter(|&p| left[p as usize] == 1 && !is_held(p)).collect();
+    let mut gone = vec![false; curves.edge_count()];
+    while let Some(point) = loose.pop() {
+        let Some([edge, other]) = curves.around(point).find(|&[edge, _]| !gone[edge as usize]) else {
+            continue;
+        };
+        gone[edge as usize] = true;
+        left[point as usize] = 0;
+        left[other as usize] -= 1;
+        if left[other as usize] == 1 && !is_held(other) {
+            loose.push(other);
+        }
+    }
+    let mut edge = 0;
+    creases.retain(|_| {
+        edge += 1;
+        !gone[edge - 1]
+    });
+}

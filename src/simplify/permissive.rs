@@ -1,0 +1,119 @@
+//! What gives where a target would be missed: seams and creases first, material borders last.
+//!
+//! ```text
+//!     all hold                 down to the target, or until no legal collapse is left
+//!     seams and creases give   a point may leave its seam; its wedges are chosen anew (`wedge_map.rs`)
+//!     materials give           a point may leave its material border; triangles keep their materials
+//! ```
+//!
+//! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials. Borders,
+//! non-manifold edges, topology and the sides of triangles in texture space hold in any case.
+
+use super::classify::kind;
+use super::metric::Pair;
+use super::surface::Surface;
+use super::wedge_map::WedgeMap;
+
+/// Whether seams, creases and material borders may give.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Permissive {
+    /// They hold, come what may.
+    Off,
+    /// They hold until no legal collapse is left, and give where a size was asked for that is not reached then. Without
+    /// a target of size, down to the base mesh or to an error, they hold.
+    #[default]
+    Auto,
+    /// Seams and creases give from the start, at what it costs; material borders where nothing else is left, whether
+    /// or not a size is asked for. For attributes to cost anything, use
+    /// [`WithAttributes`](super::metric::WithAttributes).
+    On,
+}
+
+/// Collapses by what was given up for them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct GivenUp {
+    /// By which a point left its seam, or wedges of a seam were chosen anew.
+    pub seams: u64,
+    /// The same where normals alone make the seam.
+    pub creases: u64,
+    /// By which a point left its border between materials.
+    pub materials: u64,
+}
+
+impl GivenUp {
+    /// Whether nothing was given up.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn add(&mut self, gives: u8) {
+        self.seams += u64::from(gives & gives::SEAM != 0);
+        self.creases += u64::from(gives & gives::CREASE != 0);
+        self.materials += u64::from(gives & gives::MATERIAL != 0);
+    }
+}
+
+/// What one collapse gives up, as bits.
+pub(super) mod gives {
+    pub const SEAM: u8 = 1;
+    pub const CREASE: u8 = 2;
+    pub const MATERIAL: u8 = 4;
+}
+
+impl Surface {
+    /// What merging `pair` gives up, the kept point staying where it is or not. O(valences).
+    pub(super) fn gives_up(&mut self, pair: Pair, stays: bool) -> u8 {
+        let mut leaves = self.leaves_curve(pair.lost, pair.kept);
+        if !stays {
+            leaves |= self.leaves_curve(pair.kept, pair.lost);
+        }
+        let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
+        let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
+        if leaves & kind::SEAM != 0 || several && !WedgeMap::new(self, pair).is_complete() {
+            let at_lost = self.seams_at(pair.lost);
+            let found = if at_lost == 0 { self.seams_at(pair.kept) } else { at_lost };
+            given |= if found == gives::CREASE { gives::CREASE } else { gives::SEAM };
+        }
+        given
+    }
+
+    /// The kinds of curves that a point leaves by moving to another.
+    fn leaves_curve(&mut self, from: u32, to: u32) -> u16 {
+        let bits = self.kind_if_held(from) & (kind::FEATURE | kind::CURVE);
+        let edge = self.edge_kind_if_held(from, to);
+        let slides = bits & kind::CURVE != 0 && edge == Some(bits & kind::FEATURE);
+        // Without an edge two parts are being joined on purpose.
+        if slides || edge.is_none() { 0 } else { bits & kind::FEATURE }
+    }
+
+    /// Whether seams meet a point, and whether creases do, made by normals alone. O(valence log valence).
+    fn seams_at(&mut self, point: u32) -> u8 {
+        let mut ends = std::mem::take(&mut self.scratch.ends);
+        ends.clear();
+        for corner in self.star(point) {
+            let vertices = self.corner_vertices(corner.triangle);
+            for (side, &other) in corner.others.iter().enumerate() {
+                let slot = corner.slot as usize;
+                ends.push([other, vertices[slot], vertices[(slot + 1 + side) % 3]]);
+            }
+        }
+        ends.sort_unstable();
+        let mut found = 0;
+        for pair in ends.windows(2).filter(|pair| pair[0][0] == pair[1][0]) {
+            for end in [1, 2] {
+                let (differs, in_normals_alone) = self.values.differ(pair[0][end], pair[1][end]);
+                found |= match (differs, in_normals_alone) {
+                    (false, _) => 0,
+                    (true, true) => gives::CREASE,
+                    (true, false) => gives::SEAM,
+                };
+            }
+        }
+        self.scratch.ends = ends;
+        found
+    }
+}

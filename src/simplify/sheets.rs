@@ -1,0 +1,296 @@
+//! Sheets: triangles over the same three points, which are simplified as one and given back one by one.
+//!
+//! ```text
+//!        front  a b c   material 0, wedges 0 1 2     leader: the one triangle that stars know
+//!        back   a c b   material 1, wedges 3 5 4     layer:  wedges and material of each different triangle of a sheet,
+//!        front  a b c   material 0, wedges 0 1 2             at the leader's corners
+//!                                                    follower: every triangle but the leader; it dies with the leader
+//! ```
+//!
+//! Foliage, cloth and many exported buildings hold every triangle twice, once for each side. With four triangles at every
+//! edge nothing of such a mesh would be manifold. As one sheet it is a surface like any other: rules, metrics and errors see
+//! each leader once. Edges are compared layer by layer, the front with the front and the back with the back.
+
+use crate::mesh::{Edges, NONE};
+
+use super::classify::kind;
+use super::stars::Stars;
+
+/// Most different triangles of a sheet. Triangles over the same points that differ in more ways are left apart.
+const MOST_LAYERS: usize = 8;
+
+/// One triangle of a sheet, at the leader's corners.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layer {
+    /// The vertices at the leader's corners, in the leader's order.
+    pub vertices: [u32; 3],
+    pub material: u32,
+    /// Whether it is wound the other way than the leader.
+    pub opposite: bool,
+}
+
+/// Who lies on whom. Empty where no two triangles coincide.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sheets {
+    /// Start of every leader's followers; one more than triangles.
+    start: Vec<u32>,
+    followers: Vec<u32>,
+    /// Of each follower what it carries. Those that differ from all before them come first.
+    layers: Vec<Layer>,
+    /// How many followers of each leader differ from it and from each other.
+    different: Vec<u8>,
+}
+
+impl Sheets {
+    /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n), and O(k log k) around a point of valence k.
+    pub fn new(
+        triangles: &mut [[u32; 3]],
+        stars: &Stars,
+        vertices: impl Fn(u32) -> [u32; 3],
+        material: impl Fn(u32) -> u32,
+        points: usize,
+    ) -> Self {
+        let groups = Groups::new(triangles, stars, points);
+        if groups.members.is_empty() {
+            return Self::default();
+        }
+        let layer = |leader: u32, of: u32| layer(triangles, leader, of, &vertices, &material);
+        // Members of each group: one of each kind, then repetitions; none where there are too many kinds.
+        let mut ordered: Vec<u32> = Vec::with_capacity(groups.members.len());
+        let mut spans: Vec<[usize; 3]> = Vec::new();
+        let mut kinds: Vec<Layer> = Vec::new();
+        let mut again: Vec<u32> = Vec::new();
+        for group in groups.iter() {
+            kinds.clear();
+            again.clear();
+            let first = ordered.len();
+            for &member in group {
+                let layer = layer(group[0], member);
+                if kinds.contains(&layer) {
+                    again.push(member);
+                } else if kinds.len() <= MOST_LAYERS {
+                    kinds.push(layer);
+                    ordered.push(member);
+                }
+            }
+            if kinds.len() > MOST_LAYERS {
+                ordered.truncate(first);
+            } else {
+                ordered.extend_from_slice(&again);
+                spans.push([first, first + kinds.len(), ordered.len()]);
+            }
+        }
+
+        // Leaders wound as their neighbours are.
+        let is_opposite = |[first, _, _]: [usize; 3], i: usize| layer(ordered[first], ordered[i]).opposite;
+        let other_way = |&span: &[usize; 3]| (span[0]..span[1]).find(|&i| is_opposite(span, i));
+        let others: Vec<Option<usize>> = spans.iter().map(other_way).collect();
+        let mut leaders = triangles.to_vec();
+        let mut free = vec![false; triangles.len()];
+        for (&[first, _, last], other) in spans.iter().zip(&others) {
+            ordered[first + 1..last].iter().for_each(|&t| leaders[t as usize] = [NONE; 3]);
+            free[ordered[first] as usize] = other.is_some();
+        }
+        let turned = turned(&leaders, &free, points);
+        for (&[first, _, _], other) in spans.iter().zip(&others) {
+            if let (Some(other), true) = (*other, turned[ordered[first] as usize]) {
+                ordered.swap(first, other);
+            }
+        }
+
+        let mut sheets = Self {
+            start: vec![0; triangles.len() + 1],
+            different: vec![0; triangles.len()],
+            ..Self::default()
+        };
+        for &[first, _, last] in &spans {
+            sheets.start[ordered[first] as usize + 1] = (last - first - 1) as u32;
+        }
+        for i in 0..triangles.len() {
+            sheets.start[i + 1] += sheets.start[i];
+        }
+        let count = sheets.start[triangles.len()] as usize;
+        sheets.followers.resize(count, NONE);
+        sheets.layers.resize(count, Layer { vertices: [NONE; 3], material: 0, opposite: false });
+        for &[first, different, last] in &spans {
+            let leader = ordered[first];
+            sheets.different[leader as usize] = (different - first - 1) as u8;
+            let start = sheets.start[leader as usize] as usize;
+            for (at, &follower) in ordered[first + 1..last].iter().enumerate() {
+                sheets.followers[start + at] = follower;
+                sheets.layers[start + at] = self::layer(triangles, leader, follower, &vertices, &material);
+            }
+        }
+        sheets.followers.iter().for_each(|&t| triangles[t as usize] = [NONE; 3]);
+        sheets
+    }
+
+    /// Whether no two triangles coincide.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// The triangles that die with a triangle; none for one that follows another.
+    #[inline]
+    pub fn followers(&self, leader: u32) -> &[u32] {
+        &self.followers[self.span(leader)]
+    }
+
+    /// What the followers of a triangle carry, where that differs from the leader's and each other's.
+    #[inline]
+    pub fn layers(&self, leader: u32) -> &[Layer] {
+        match self.different.get(leader as usize) {
+            Some(&count) => &self.layers[self.start[leader as usize] as usize..][..count as usize],
+            None => &[],
+        }
+    }
+
+    /// Replaces the followers' vertices at one of their leader's corners.
+    pub fn replace(&mut self, leader: u32, slot: usize, mut map: impl FnMut(u32) -> u32) {
+        let Some(&count) = self.different.get(leader as usize) else { return };
+        for layer in &mut self.layers[self.start[leader as usize] as usize..][..count as usize] {
+            layer.vertices[slot] = map(layer.vertices[slot]);
+        }
+    }
+
+    #[inline]
+    fn span(&self, leader: u32) -> std::ops::Range<usize> {
+        match self.start.get(leader as usize..leader as usize + 2) {
+            Some(&[start, end]) => start as usize..end as usize,
+            _ => 0..0,
+        }
+    }
+}
+
+/// What a triangle of a sheet carries at the leader's corners.
+fn layer(
+    triangles: &[[u32; 3]],
+    leader: u32,
+    of: u32,
+    vertices: impl Fn(u32) -> [u32; 3],
+    material: impl Fn(u32) -> u32,
+) -> Layer {
+    let [corners, own] = [leader, of].map(|t| triangles[t as usize]);
+    let slots = corners.map(|point| own.iter().position(|&p| p == point).unwrap_or(0));
+    let carried = vertices(of);
+    Layer {
+        vertices: slots.map(|slot| carried[slot]),
+        material: material(of),
+        opposite: (slots[1] + 3 - slots[0]) % 3 == 2,
+    }
+}
+
+/// Triangles over the same three points, each group in ascending order.
+struct Groups {
+    members: Vec<u32>,
+    end: Vec<usize>,
+}
+
+impl Groups {
+    fn new(triangles: &[[u32; 3]], stars: &Stars, points: usize) -> Self {
+        let mut groups = Self { members: Vec::new(), end: Vec::new() };
+        let mut around: Vec<([u32; 2], u32)> = Vec::new();
+        for point in 0..points as u32 {
+            around.clear();
+            for &entry in stars.of(point) {
+                // Every triangle is listed once, at its lowest point.
+                let [a, b, c] = triangles[(entry >> 2) as usize];
+                let lowest = a.min(b).min(c);
+                if lowest == point {
+                    let highest = a.max(b).max(c);
+                    around.push(([highest, a ^ b ^ c ^ lowest ^ highest], entry >> 2));
+                }
+            }
+            around.sort_unstable();
+            for run in around.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+                groups.members.extend(run.iter().map(|&(_, triangle)| triangle));
+                groups.end.push(groups.members.len());
+            }
+        }
+        groups
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let start = std::iter::once(0).chain(self.end.iter().copied());
+        start.zip(&self.end).map(|(start, &end)| &self.members[start..end])
+    }
+}
+
+/// Which of the triangles that are free to be wound either way must be turned to be wound as their neighbours. Those that
+/// are not free say how; without any, the lowest does.
+fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
+    let mut turned = vec![false; triangles.len()];
+    if !free.contains(&true) {
+        return turned;
+    }
+    let edges = Edges::new(triangles, points);
+    let edge_of = edges.of_half_edges(triangles.len());
+    // The triangle across an edge of two, and whether both run along it the same way.
+    let across = |triangle: u32, edge: u32| match edges.half_edges(edge) {
+        &[a, b] => {
+            let (a, b) = (a / 3, b / 3);
+            Some((if a == triangle { b } else { a }, edges.is_flipped(edge)))
+        }
+        _ => None,
+    };
+    let mut known: Vec<bool> = free.iter().map(|free| !free).collect();
+    let mut waiting: Vec<u32> = Vec::new();
+    for seed_anywhere in [false, true] {
+        for seed in 0..triangles.len() as u32 {
+            if known[seed as usize] {
+                continue;
+            }
+            let neighbours = || edge_of[seed as usize].iter().filter_map(|&edge| across(seed, edge));
+            match neighbours().find(|&(other, _)| known[other as usize]) {
+                Some((other, clashes)) => turned[seed as usize] = turned[other as usize] ^ clashes,
+                None if seed_anywhere => {}
+                None => continue,
+            }
+            known[seed as usize] = true;
+            waiting.push(seed);
+            while let Some(triangle) = waiting.pop() {
+                for &edge in &edge_of[triangle as usize] {
+                    if let Some((other, clashes)) = across(triangle, edge) {
+                        if !known[other as usize] {
+                            known[other as usize] = true;
+                            turned[other as usize] = turned[triangle as usize] ^ clashes;
+                            waiting.push(other);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    turned
+}
+
+/// An edge of one layer: whether it runs from the first end to the second, its vertices there, and its material.
+pub(super) type LayerEdge = (bool, [u32; 2], u32);
+
+/// What an edge between two sheets is, as `kind` bits: a seam or material border where the layers on one side of it do not
+/// go on beyond it. `before` and `beyond` are the layers' edges on either side, from the same end.
+pub(super) fn edge_between(
+    before: impl Iterator<Item = LayerEdge> + Clone,
+    beyond: impl Iterator<Item = LayerEdge> + Clone,
+) -> u16 {
+    // A layer goes on in one that runs the other way. Where each side has one direction only they may clash.
+    let ways_differ = !(runs_one_way(before.clone()) && runs_one_way(beyond.clone()));
+    let differ = |wedges: bool, materials: bool| {
+        let go_on = |a: LayerEdge, b: LayerEdge| {
+            (!ways_differ || a.0 != b.0) && (!wedges || a.1 == b.1) && (!materials || a.2 == b.2)
+        };
+        !before.clone().all(|a| beyond.clone().any(|b| go_on(a, b)))
+            || !beyond.clone().all(|b| before.clone().any(|a| go_on(a, b)))
+    };
+    let is_seam = differ(true, false);
+    let is_border = differ(false, true)
+        || before.clone().count() != beyond.clone().count()
+        || !is_seam && differ(true, true);
+    (if is_seam { kind::SEAM } else { 0 }) | (if is_border { kind::MATERIAL } else { 0 })
+}
+
+fn runs_one_way(mut edges: impl Iterator<Item = LayerEdge>) -> bool {
+    let first = edges.next().is_some_and(|edge| edge.0);
+    edges.all(|edge| edge.0 == first)
+}

@@ -1,0 +1,225 @@
+//! Where the wedges of a merged point go.
+//!
+//! ```text
+//!          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
+//!      a  /  \ c             The triangles on the edge say a -> c and b -> d.
+//!   lost ====== kept
+//!      b  \  / d             A wedge without a triangle on the edge goes to the wedge of its own chart, if `kept`
+//!          w2                has one; else to the nearest in value that mirrors nothing; or, where new vertices
+//!                            may be made and none is near, it keeps its values at the new place.
+//! ```
+//!
+//! Every layer of a sheet has wedges of its own, which the same layer's triangles map.
+
+use super::metric::Pair;
+use super::sheets::Layer;
+use super::surface::Surface;
+
+/// Most wedges of the lost point with a place to go: beyond it a map [overflows](WedgeMap::overflows).
+const FEW: usize = 16;
+/// Corners of the kept point that are searched for wedges.
+const CORNERS: usize = 64;
+
+/// Where every wedge of the lost point goes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct WedgeMap {
+    /// `[from, to]`; a wedge that keeps its values goes to itself.
+    pairs: [[u32; 2]; FEW],
+    len: usize,
+    /// How many of the pairs share a chart: the others were chosen by value.
+    linked: usize,
+    /// `[from, to]`: wedges of the kept point that become one, since one wedge of the lost point has triangles with both.
+    joined: [[u32; 2]; FEW],
+    joins: usize,
+    complete: bool,
+    overflows: bool,
+}
+
+impl WedgeMap {
+    /// The map of a pair as far as the triangles on its edge say.
+    pub fn new(surface: &Surface, pair: Pair) -> Self {
+        let mut map = Self { complete: true, ..Self::default() };
+        // The edge's triangles are found from the side with fewer: the other may be a hub.
+        let turned =
+            surface.valence(pair.lost) > 16 && surface.valence(pair.kept) < surface.valence(pair.lost);
+        let (point, other) = if turned { (pair.kept, pair.lost) } else { (pair.lost, pair.kept) };
+        for corner in surface.star(point) {
+            let Some(side) = corner.others.iter().position(|&o| o == other) else { continue };
+            let slot = corner.slot as usize;
+            for layer in surface.layers(corner.triangle) {
+                let (near, far) = (layer.vertices[slot], layer.vertices[(slot + 1 + side) % 3]);
+                let (from, to) = if turned { (far, near) } else { (near, far) };
+                let to = map.root(to);
+                match map.get(from) {
+                    Some(known) if known == to => {}
+                    Some(known) => map.join(to, known),
+                    None => map.push(from, to),
+                }
+            }
+        }
+        if map.complete {
+            map.complete = wedges_of(surface, pair.lost).all(|wedge| map.get(wedge).is_some());
+        }
+        map.linked = map.len;
+        map
+    }
+
+    /// The map of a pair with a place for every wedge, unless it [overflows](Self::overflows).
+    pub fn chosen(surface: &Surface, pair: Pair) -> Self {
+        let mut map = Self::new(surface, pair);
+        if !map.complete && !map.overflows {
+            map.choose(surface, pair);
+        }
+        map
+    }
+
+    /// Whether every wedge has exactly one to go to, by the triangles on the edge alone.
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Whether there are more wedges than are kept apart.
+    pub fn overflows(&self) -> bool {
+        self.overflows
+    }
+
+    /// Whether wedges of the kept point become one.
+    pub fn joins_kept(&self) -> bool {
+        self.joins > 0 || self.overflows
+    }
+
+    /// Where a wedge of the lost point goes: itself where it keeps its values.
+    pub fn get(&self, from: u32) -> Option<u32> {
+        self.pairs().iter().find(|pair| pair[0] == from).map(|pair| self.root(pair[1]))
+    }
+
+    /// Which wedge a wedge of the kept point becomes: itself but where wedges become one.
+    pub fn root(&self, mut kept: u32) -> u32 {
+        while let Some(&[_, to]) = self.joined[..self.joins].iter().find(|pair| pair[0] == kept) {
+            kept = to;
+        }
+        kept
+    }
+
+    /// The first wedge of the lost point that shares a chart with one of the kept point.
+    pub fn partner(&self, kept: u32) -> Option<u32> {
+        self.pairs[..self.linked].iter().find(|pair| self.root(pair[1]) == kept).map(|pair| pair[0])
+    }
+
+    /// All `[from, to]`.
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs[..self.len]
+    }
+
+    fn push(&mut self, from: u32, to: u32) {
+        match self.pairs.get_mut(self.len) {
+            Some(pair) => {
+                *pair = [from, to];
+                self.len += 1;
+            }
+            None => (self.complete, self.overflows) = (false, true),
+        }
+    }
+
+    /// Makes two different wedges of the kept point one.
+    fn join(&mut self, from: u32, to: u32) {
+        self.complete = false;
+        match self.joined.get_mut(self.joins) {
+            Some(pair) => {
+                *pair = [from, to];
+                self.joins += 1;
+            }
+            None => self.overflows = true,
+        }
+    }
+
+    /// Finds a place for the wedges that have none yet.
+    fn choose(&mut self, surface: &Surface, pair: Pair) {
+        for from in wedges_of(surface, pair.lost) {
+            if self.get(from).is_none() {
+                if let Some(to) = by_chart(surface, pair, from) {
+                    self.push(from, to);
+                }
+            }
+        }
+        self.linked = self.len;
+        let mut kept = [0; FEW];
+        let mut count = 0;
+        for wedge in wedges_of(surface, pair.kept).take(CORNERS) {
+            if count < FEW && !kept[..count].contains(&wedge) {
+                kept[count] = wedge;
+                count += 1;
+            }
+        }
+        for from in wedges_of(surface, pair.lost) {
+            if self.get(from).is_none() {
+                let to = by_value(surface, pair, from, &kept[..count]);
+                self.push(from, to);
+            }
+        }
+    }
+}
+
+/// The wedges at the corners around a point, on every layer of a sheet; some several times.
+fn wedges_of(surface: &Surface, point: u32) -> impl Iterator<Item = u32> + '_ {
+    surface.star(point).flat_map(|corner| {
+        surface.layers(corner.triangle).map(move |layer| layer.vertices[corner.slot as usize])
+    })
+}
+
+/// The wedge of the kept point that shares a vertex next to both with a wedge of the lost one.
+fn by_chart(surface: &Surface, pair: Pair, from: u32) -> Option<u32> {
+    for corner in surface.star(pair.lost) {
+        let slot = corner.slot as usize;
+        let Some(Layer { vertices, .. }) = surface.layers(corner.triangle).find(|l| l.vertices[slot] == from)
+        else {
+            continue;
+        };
+        for (side, &third) in corner.others.iter().enumerate() {
+            let vertex = vertices[(slot + 1 + side) % 3];
+            // From the side with fewer triangles: the other may be a hub.
+            let (hub, centre) = if surface.valence(third) <= surface.valence(pair.kept) {
+                (pair.kept, third)
+            } else {
+                (third, pair.kept)
+            };
+            for beside in surface.star(centre).take(CORNERS) {
+                let Some(at) = beside.others.iter().position(|&o| o == hub) else { continue };
+                let slot = beside.slot as usize;
+                for layer in surface.layers(beside.triangle) {
+                    let ends = [layer.vertices[slot], layer.vertices[(slot + 1 + at) % 3]];
+                    let [at_third, at_kept] = if centre == third { ends } else { [ends[1], ends[0]] };
+                    if at_third == vertex {
+                        return Some(at_kept);
+                    }
+                }
+            }
+        }
+    }
+    None
+}
+
+/// The wedge among `kept` that is nearest in value and mirrors no triangle; failing that, or where it is far and may be
+/// had, the wedge itself; failing that the nearest.
+fn by_value(surface: &Surface, pair: Pair, from: u32, kept: &[u32]) -> u32 {
+    let values = &surface.values;
+    let mut best: Option<(bool, f32, u32)> = None;
+    for &to in kept {
+        let mirrors = !surface.keeps_sides_of(pair, from, to);
+        let option = (mirrors, values.distance_squared(from, to), to);
+        let is_less = |than: (bool, f32, u32)| {
+            option.0.cmp(&than.0).then(option.1.total_cmp(&than.1)).then(option.2.cmp(&than.2)).is_lt()
+        };
+        if best.is_none_or(is_less) {
+            best = Some(option);
+        }
+    }
+    match best {
+        Some((mirrors, distance, to)) if !surface.moves_wedges || !mirrors && distance <= NEAR * NEAR => to,
+        // Also of a point without triangles: it has no wedge to choose.
+        _ => from,
+    }
+}
+
+/// Wedges whose values differ by less count as one, as a share of the diagonal: 2 degrees of a normal.
+const NEAR: f32 = 1e-4;

@@ -1,0 +1,242 @@
+//! What tells wedges apart: texture coordinates, normals and colours of every vertex; and on which side of texture space
+//! each triangle lies.
+
+use glam::Vec3;
+
+use crate::mesh::{Attribute, Mesh, names};
+
+use super::candidates::blend_weight;
+use super::classify::kind;
+use super::metric::Pair;
+use super::surface::{Corner, Surface};
+use super::wedge_map::WedgeMap;
+
+/// Worth of a normal that is off by 1, and of a colour, as shares of the diagonal.
+const NORMAL: f32 = 0.003;
+const COLOR: f32 = 0.01;
+/// Worth of texture that slides, as a share of the way it slides.
+const SLIDE: f32 = 0.1;
+/// Height over length below which a triangle of texture space has no side.
+const FLAT: f64 = 1e-6;
+
+/// Values per vertex, new ones included.
+#[derive(Debug, Clone, Default)]
+pub(super) struct WedgeValues {
+    /// Sets of texture coordinates, which come first.
+    sets: usize,
+    /// What a deviation of 1 is worth, per scalar.
+    weights: Vec<f32>,
+    /// Where the scalars of the normal lie; none where empty.
+    normal: std::ops::Range<usize>,
+    data: Vec<f32>,
+    /// Per triangle and set its side in the input: 1 or -1, 0 for none.
+    sides: Vec<i8>,
+}
+
+impl WedgeValues {
+    /// Texture coordinates; and with `seams` all else that tells wedges apart. O(values).
+    pub fn new(mesh: &Mesh, seams: bool) -> Self {
+        let is_set = |name: &str, stem: &str| {
+            name.strip_prefix(stem).is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
+        };
+        let of = |stem: &'static str| {
+            mesh.attributes().iter().filter(move |a| is_set(a.name(), stem) && a.as_floats().is_some())
+        };
+        let mut chosen: Vec<(&Attribute, f32)> = Vec::new();
+        chosen.extend(of(names::UV).filter(|a| a.width() == 2).map(|a| (a, SLIDE * units_per_uv(mesh, a))));
+        let sets = chosen.len();
+        let mut normal = 0..0;
+        if seams {
+            if let Some(attribute) = of(names::NORMAL).find(|a| a.name() == names::NORMAL && a.width() == 3) {
+                normal = 2 * sets..2 * sets + 3;
+                chosen.push((attribute, NORMAL));
+            }
+            chosen.extend(of(names::COLOR).map(|a| (a, COLOR)));
+        }
+        let weights: Vec<f32> = chosen.iter().flat_map(|&(a, w)| std::iter::repeat_n(w, a.width())).collect();
+        let count = if chosen.is_empty() { 0 } else { mesh.positions().len() };
+        let mut data = Vec::with_capacity(count * weights.len());
+        for vertex in 0..count {
+            for (attribute, _) in &chosen {
+                let width = attribute.width();
+                data.extend_from_slice(&attribute.as_floats().unwrap_or(&[])[vertex * width..][..width]);
+            }
+        }
+        let mut values = Self { sets, weights, normal, data, sides: Vec::new() };
+        values.sides.reserve(sets * mesh.triangles().len());
+        for &triangle in mesh.triangles() {
+            for set in 0..sets {
+                let corners = triangle.map(|v| values.uv(set, v));
+                values.sides.push(side(corners));
+            }
+        }
+        values
+    }
+
+    fn of(&self, vertex: u32) -> &[f32] {
+        let stride = self.weights.len();
+        &self.data[vertex as usize * stride..][..stride]
+    }
+
+    fn uv(&self, set: usize, vertex: u32) -> [f32; 2] {
+        let at = vertex as usize * self.weights.len() + 2 * set;
+        [self.data[at], self.data[at + 1]]
+    }
+
+    /// How far the values of two vertices lie apart, as a share of the diagonal, squared. Values that are not finite do
+    /// not count.
+    pub fn distance_squared(&self, a: u32, b: u32) -> f32 {
+        let terms = self.of(a).iter().zip(self.of(b)).zip(&self.weights).map(|((a, b), w)| {
+            let d = w * (a - b);
+            if d.is_finite() { d * d } else { 0.0 }
+        });
+        terms.sum()
+    }
+
+    /// Whether two vertices differ, and whether in their normals alone.
+    pub fn differ(&self, a: u32, b: u32) -> (bool, bool) {
+        let (mut any, mut beside) = (false, false);
+        for (i, (a, b)) in self.of(a).iter().zip(self.of(b)).enumerate() {
+            let differs = a.to_bits() != b.to_bits();
+            any |= differs;
+            beside |= differs && !self.normal.contains(&i);
+        }
+        (any, any && !beside)
+    }
+
+    /// Appends a vertex that blends two, as the sequence does.
+    pub fn push_blend(&mut self, [a, b]: [u32; 2], weight: f32) {
+        let stride = self.weights.len();
+        for i in 0..stride {
+            let (a, b) = (self.data[a as usize * stride + i], self.data[b as usize * stride + i]);
+            self.data.push(mix(a, b, weight));
+        }
+    }
+}
+
+fn mix(a: f32, b: f32, weight: f32) -> f32 {
+    if weight == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * weight }
+}
+
+/// 1 where a triangle of texture space turns to the left, -1 to the right, 0 where it has no side.
+pub(super) fn side(corners: [[f32; 2]; 3]) -> i8 {
+    let (area, scale) = area(corners);
+    if area > FLAT * scale {
+        1
+    } else if area < -FLAT * scale {
+        -1
+    } else {
+        0
+    }
+}
+
+/// Twice the area of a triangle of texture space, and the sum of two squared sides.
+fn area(corners: [[f32; 2]; 3]) -> (f64, f64) {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    let (e, f) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    (e[0] * f[1] - e[1] * f[0], e[0] * e[0] + e[1] * e[1] + f[0] * f[0] + f[1] * f[1])
+}
+
+/// The distance on the surface that one unit of a texture covers on average, as a share of the diagonal; 0 where that
+/// makes no sense.
+fn units_per_uv(mesh: &Mesh, uv: &Attribute) -> f32 {
+    let values = uv.as_floats().unwrap_or(&[]);
+    let (mut surface, mut texture) = (0.0f64, 0.0f64);
+    for t in mesh.triangles() {
+        let [p, q, r] = t.map(|v| glam::DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+        let (covered, _) = area(t.map(|v| [values[2 * v as usize], values[2 * v as usize + 1]]));
+        if covered.is_finite() {
+            surface += (q - p).cross(r - p).length();
+            texture += covered.abs();
+        }
+    }
+    let diagonal = mesh.diagonal();
+    if texture > 0.0 && diagonal > 0.0 {
+        ((surface / texture).sqrt() / diagonal).min(1e6) as f32
+    } else {
+        0.0
+    }
+}
+
+impl Surface {
+    /// Appends the values of a new vertex.
+    pub(super) fn add_vertex(&mut self, from: [u32; 2], weight: f32) {
+        self.values.push_blend(from, weight);
+    }
+
+    /// Whether merging `pair` at `x` leaves every triangle on its side of texture space. O(valence).
+    pub(super) fn keeps_uv_sides(&self, pair: Pair, x: Vec3) -> bool {
+        let sets = self.values.sets;
+        if sets == 0 {
+            return true;
+        }
+        let stays = x == self.at(pair.kept);
+        let share = blend_weight(self.at(pair.lost), self.at(pair.kept), x);
+        let blend = |set: usize, partner: Option<u32>, kept: u32| {
+            let b = self.values.uv(set, kept);
+            match partner {
+                Some(a) if !stays => {
+                    let a = self.values.uv(set, a);
+                    [mix(a[0], b[0], share), mix(a[1], b[1], share)]
+                }
+                _ => b,
+            }
+        };
+        let either = self.kind(pair.lost) | self.kind(pair.kept);
+        if !self.has_seams() || either & kind::WEDGES == 0 {
+            // One wedge each.
+            let vertex = |point: u32| {
+                let corner = self.star(point).next()?;
+                Some(self.corner_vertices(corner.triangle)[corner.slot as usize])
+            };
+            let (Some(lost), Some(kept)) = (vertex(pair.lost), vertex(pair.kept)) else { return true };
+            let to = |set: usize, _: u32| blend(set, Some(lost), kept);
+            return self.keep_sides(pair.lost, pair.kept, to)
+                && (stays || self.keep_sides(pair.kept, pair.lost, to));
+        }
+        let map = WedgeMap::chosen(self, pair);
+        if map.overflows() {
+            return false;
+        }
+        let of_kept = |set: usize, kept: u32| {
+            let kept = map.root(kept);
+            blend(set, map.partner(kept), kept)
+        };
+        let of_lost = |set: usize, lost: u32| match map.get(lost) {
+            Some(to) if to != lost => of_kept(set, to),
+            _ => self.values.uv(set, lost),
+        };
+        self.keep_sides(pair.lost, pair.kept, of_lost)
+            && (stays && !map.joins_kept() || self.keep_sides(pair.kept, pair.lost, of_kept))
+    }
+
+    /// Whether the triangles of one wedge of the lost point stay on their sides with another vertex in its place.
+    pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
+        let own = |corner: &Corner| self.corner_vertices(corner.triangle)[corner.slot as usize] == from;
+        let mut corners = self.star(pair.lost).filter(own).filter(|c| !c.others.contains(&pair.kept));
+        corners.all(|corner| self.keeps_side(corner, |set, _| self.values.uv(set, to)))
+    }
+
+    /// Whether every triangle around a point, but for those with `other`, stays on its side when the coordinates of the
+    /// point's wedges become `to`.
+    fn keep_sides(&self, point: u32, other: u32, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
+        let mut corners = self.star(point).filter(|corner| !corner.others.contains(&other));
+        corners.all(|corner| self.keeps_side(corner, &to))
+    }
+
+    fn keeps_side(&self, corner: Corner, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
+        let (values, vertices) = (&self.values, self.corner_vertices(corner.triangle));
+        (0..values.sets).all(|set| {
+            let input = values.sides[corner.triangle as usize * values.sets + set];
+            if input == 0 {
+                return true;
+            }
+            let before = vertices.map(|v| values.uv(set, v));
+            let mut after = before;
+            after[corner.slot as usize] = to(set, vertices[corner.slot as usize]);
+            let now = side(after);
+            // One that has lost its side already may stay without, but not go over to the other.
+            now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
+        })
+    }
+}

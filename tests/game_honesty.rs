@@ -1,0 +1,74 @@
+//! Promise: levels of what games are made of lie as far from their models as the sequence says, sampled both ways on the
+//! surface and along borders, seams and borders between materials.
+//!
+//! The models lie in `$MULTIRES_MODELS`, `../shared/models` by default; what is missing is skipped by name.
+#![cfg(all(feature = "quality", feature = "io"))]
+
+#[path = "support/apart.rs"]
+mod apart;
+
+use std::path::{Path, PathBuf};
+
+use apart::Input;
+use multires::simplify::{Simplifier, metric::NAMES};
+use multires::{io, mesh::Mesh};
+
+fn model(file: &str) -> Option<Mesh> {
+    let root = std::env::var_os("MULTIRES_MODELS")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
+    let path = root.join(file);
+    if !path.exists() {
+        eprintln!("game_honesty: skipping {file}: no {} (set MULTIRES_MODELS)", path.display());
+        return None;
+    }
+    Some(io::read(&path).unwrap())
+}
+
+/// Game models and small cases of made things.
+const FILES: [&str; 12] = [
+    "game/Fox.glb",
+    "game/pigman/scene.gltf",
+    "game/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf",
+    "real/beetle.obj",
+    "real/fandisk.obj",
+    "real/suzanne.obj",
+    "real/teapot.obj",
+    "cases/plate_with_hole/plate32.obj",
+    "cases/flat_hole_open/washer.obj",
+    "cases/cad_needles/beam60.obj",
+    "cases/mirrored_uv/mirror.obj",
+    "cases/colour_edge/disc.obj",
+];
+
+#[test]
+fn levels_of_models_lie_as_far_away_as_is_said() {
+    let (mut close, mut all) = (0, 0);
+    let mut far = Vec::new();
+    for file in FILES {
+        let Some(mesh) = model(file) else { continue };
+        // Creases are the simplifier's to choose where a mesh is no drawing.
+        let input = Input::new(&mesh, -2.0);
+        let sequence = Simplifier::new()
+            .metric(multires::simplify::metric::by_name(NAMES[0]).unwrap())
+            .run(&mesh)
+            .unwrap();
+        for percent in [70, 50, 35, 25, 18, 12, 8, 5] {
+            let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
+            let apart = input.apart(&sequence, steps);
+            let said = f64::from(sequence.error_after(steps));
+            let (found, slack) = (apart.largest(), 2e-6 * mesh.diagonal());
+            all += 1;
+            if found <= 1.1 * said + slack && said <= 1.1 * found + slack {
+                close += 1;
+            } else {
+                eprintln!("{:.2}: {file} at {percent} %: {apart:?} of {said}", found / said);
+            }
+            if found > 1.3 * said + slack {
+                far.push(format!("{file} at {percent} %: {apart:?} of {said}"));
+            }
+        }
+    }
+    assert!(far.is_empty(), "{far:#?}");
+    eprintln!("{close} of {all} within a tenth");
+    assert!(10 * close >= 7 * all, "{close} of {all} within a tenth");
+}
