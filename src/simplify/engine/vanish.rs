@@ -68,18 +68,24 @@ impl Vanishing {
 }
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Lets every part wait that may vanish.
-    pub(super) fn queue_parts(&mut self) {
-        let Some(parts) = self.parts.take().filter(|_| self.vanishing.is_on) else { return };
+    /// Lets every part wait that may vanish. Whether there is any.
+    pub(super) fn queue_parts(&mut self) -> bool {
+        if !self.vanishing.is_on {
+            return false;
+        }
+        let Some(parts) = self.parts.take() else { return false };
         let first = self.state.len() as u32;
+        let mut any = false;
         for part in 0..parts.count() as u32 {
             if parts.root(part) == part && parts.live(part) > 0 && parts.may_vanish(part) {
                 if let Some(cost) = self.loss_cost(&parts, part, parts.least_loss(part)) {
                     self.queue.insert(first + part, cost);
+                    any = true;
                 }
             }
         }
         self.parts = Some(parts);
+        any
     }
 
     /// What a loss counts as in the queue: per pair of triangles, as collapses take them away; `None` where it does not
@@ -167,8 +173,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let guard = self.watch.limit(self.surface.live_triangles() - parts.live(part) as usize);
         if error.surface > guard {
+            // It waits until there are fewer triangles.
             self.watch.refuse(guard);
-            self.let_stay(part, parts, &scratch.points);
+            for &point in &scratch.points {
+                self.state[point as usize] |= state::GUARDED;
+            }
             return false;
         }
         let reached = self.reach(into, scratch);
