@@ -143,8 +143,7 @@ impl ErrorMetric for Checked {
             sources.map(|[from, to]| self.expected(from, s.position, &self.values[to as usize])).sum();
         let found = f64::from(self.inner.cost(surface, self.pair, s.position));
         assert!(
-            // What is left where values are solved is a difference of sums in single precision, of about 0.01 here.
-            (found - expected).abs() <= 1e-3 * expected + 3e-8,
+            (found - expected).abs() <= 1e-3 * expected + 1e-9,
             "{found} where {expected} is right, after {} steps",
             self.compared.lock().unwrap()
         );

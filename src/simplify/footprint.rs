@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use crate::mesh::{Mesh, NONE};
+use crate::mesh::{Mesh, NONE, Topology};
 
 /// Rounds of looking around the nearest triangle so far.
 const ROUNDS: usize = 4;
@@ -48,6 +48,40 @@ pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
     {
         (0..count).map(one).collect()
     }
+}
+
+/// Takes away the places of triangles whose part of the mesh is not the part that the level has there: of parts that
+/// vanished, which another one stands for. `origin` gives the mesh's triangle that each of the level's is the image of.
+pub(super) fn keep_parts_apart(mesh: &Mesh, origin: &[u32], places: &mut [Place]) {
+    let part = parts(mesh);
+    let part_of = |t: u32| part[mesh.triangles()[t as usize][0] as usize];
+    for (t, place) in places.iter_mut().enumerate().filter(|(_, place)| place.triangle != NONE) {
+        if part_of(t as u32) != part_of(origin[place.triangle as usize]) {
+            place.triangle = NONE;
+        }
+    }
+}
+
+/// The part of every vertex: points joined by triangles. O(n).
+pub(super) fn parts(mesh: &Mesh) -> Vec<u32> {
+    let topology = Topology::new(mesh);
+    let point_of = topology.point_of();
+    let mut parent: Vec<u32> = (0..topology.point_count() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    for corners in mesh.triangles() {
+        let [a, b, c] = corners.map(|v| point_of[v as usize]);
+        for (from, to) in [(a, b), (b, c)] {
+            let (from, to) = (root(&mut parent, from), root(&mut parent, to));
+            parent[from.max(to) as usize] = from.min(to);
+        }
+    }
+    point_of.iter().map(|&point| root(&mut parent, point)).collect()
 }
 
 pub(super) fn at(mesh: &Mesh, vertex: u32) -> DVec3 {

@@ -325,6 +325,11 @@ impl Oracle for LinkCondition {
             // The second: two borders would meet in a point.
             return false;
         }
+        if (surface.kind(lost) | surface.kind(kept)) & kind::NON_MANIFOLD != 0
+            && thirds.iter().any(|&third| joins_curves(surface, collapse.pair, third))
+        {
+            return false;
+        }
         let near = Neighbourhood::new(surface, kept);
         let (mut meets, mut between_thirds) = (false, false);
         for facet in collapse.patch.facets_of_lost() {
@@ -349,6 +354,16 @@ impl Oracle for LinkCondition {
         !collapse.patch.facets_of_lost().is_empty()
             || thirds.iter().all(|&third| is_shared_edge(surface, kept, third))
     }
+}
+
+/// Whether a third corner is joined to both ends by borders or non-manifold edges: two curves would become one, and the
+/// sheet between them would be gone.
+#[cold]
+fn joins_curves(surface: &Surface, pair: Pair, third: u32) -> bool {
+    let is_curve = |end: u32| {
+        surface.edge_kind(end, third).is_some_and(|edge| edge & (kind::BORDER | kind::NON_MANIFOLD) != 0)
+    };
+    is_curve(pair.lost) && is_curve(pair.kept)
 }
 
 /// Whether at least two triangles hang on an edge.
@@ -443,13 +458,13 @@ impl Oracle for NormalFlip {
     }
 }
 
-/// Keeps collapses that make needles waiting: the thinnest new triangle should reach `least`, or half the quality of
+/// Keeps collapses that make needles waiting: the thinnest new triangle should reach `least`, or at least the quality of
 /// the thinnest triangle that it and its like replace (needles in, needles out).
 ///
 /// The measure is `4 sqrt(3) area / (sum of squared sides)`: 1 for an equilateral triangle, 0 for one without area.
 ///
 /// A thin triangle is no error: on a long box only thin triangles are exact. So the rule is no end of a simplification.
-/// What it refuses counts as 256 times dearer (about 16 times the distance), and is done once collapses of that cost
+/// What it refuses counts as 64 times dearer (about 8 times the distance), and is done once collapses of that cost
 /// are due; the report counts how often it was put off. [`strict`](TriangleQuality::strict) makes it a rule like the others.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleQuality {
@@ -457,10 +472,8 @@ pub struct TriangleQuality {
     strict: bool,
 }
 
-/// What a new triangle may lose against the thinnest of those replaced.
-const THINNER: f32 = 0.5;
 /// How many times dearer a collapse counts that makes a needle.
-const NEEDLE_SURCHARGE: f32 = 256.0;
+const NEEDLE_SURCHARGE: f32 = 64.0;
 
 impl Default for TriangleQuality {
     /// 0.01.
@@ -475,8 +488,8 @@ impl TriangleQuality {
         Self { least, strict: false }
     }
 
-    /// The same, but what it refuses is never done, and no new triangle is thinner than the thinnest that it and its like
-    /// replace: for meshes that must not get thin triangles, at the price of simplifications that miss their target.
+    /// The same, but what it refuses is never done: for meshes that must not get thinner triangles than they have, at the
+    /// price of simplifications that miss their target.
     #[must_use]
     pub fn strict(self) -> Self {
         Self { strict: true, ..self }
@@ -499,8 +512,7 @@ impl Oracle for TriangleQuality {
             let [p, q, r] = [collapse.pair.lost, collapse.pair.kept, third].map(|point| surface.at(point));
             quality((q - p).cross(r - p), q - p, r - p)
         });
-        let thinner = if self.strict { 1.0 } else { THINNER };
-        after >= thinner * dying.fold(thinnest(Facet::quality_before), f32::min)
+        after >= dying.fold(thinnest(Facet::quality_before), f32::min)
     }
 
     fn surcharge(&self) -> Option<f32> {

@@ -308,9 +308,7 @@ impl CollapseSequence {
             return self.extract(mesh, steps);
         }
         let level = self.level(mesh, steps);
-        let (triangles, origin) = self.triangles_at(mesh, steps);
-        let places = self.places(mesh, steps, &triangles, &level);
-        let mut attributes = refit(mesh, &level, &origin, &places);
+        let mut attributes = refit(mesh, &level, &self.places(mesh, steps, &level));
         keep_sides(level.positions(), level.triangles(), level.attributes(), &mut attributes);
         self.report.normals.finish(level.with_attributes(attributes))
     }
@@ -322,12 +320,11 @@ impl CollapseSequence {
         if !self.fits(mesh) {
             return Vec::new();
         }
-        let (triangles, _) = self.triangles_at(mesh, steps);
         if steps == 0 || self.report.normals == NormalsDone::Kept {
-            return deviations(mesh, level, &self.places(mesh, steps, &triangles, level));
+            return deviations(mesh, level, &self.places(mesh, steps, level));
         }
         // Its vertices may be split, but its triangles are the same.
-        let places = self.places(mesh, steps, &triangles, &self.level(mesh, steps));
+        let places = self.places(mesh, steps, &self.level(mesh, steps));
         if places.is_empty() || level.triangles().len() != self.triangles_after(steps) {
             return Vec::new();
         }
@@ -335,7 +332,8 @@ impl CollapseSequence {
     }
 
     /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
-    fn places(&self, mesh: &Mesh, steps: usize, triangles: &[[u32; 3]], level: &Mesh) -> Vec<Place> {
+    fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
+        let (triangles, origin) = self.triangles_at(mesh, steps);
         if triangles.len() != level.triangles().len() {
             return Vec::new();
         }
@@ -345,7 +343,11 @@ impl CollapseSequence {
         }
         let to = self.representatives(steps);
         let number: Vec<u32> = to[..mesh.positions().len()].iter().map(|&v| stands_for[v as usize]).collect();
-        footprint::places(mesh, level, &number)
+        let mut places = footprint::places(mesh, level, &number);
+        if self.report.parts_removed > 0 {
+            footprint::keep_parts_apart(mesh, &origin, &mut places);
+        }
+        places
     }
 
     /// Says in the report what the last step reached. O(input).

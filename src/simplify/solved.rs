@@ -13,6 +13,7 @@ use glam::DVec3;
 
 use crate::mesh::{Attribute, Mesh, Topology, names};
 
+use super::footprint::parts;
 use super::sequence::CollapseSequence;
 
 /// Thinnest triangle (height over length) whose slope is trusted; on thinner ones values count as constant.
@@ -34,6 +35,11 @@ pub(super) fn solve_new(
         return;
     }
     let topology = Topology::new(mesh);
+    // A vertex that stands for a part that vanished is nothing of it.
+    let mut part = if sequence.report().parts_removed > 0 { parts(mesh) } else { Vec::new() };
+    for new in sequence.new_vertices().iter().filter(|_| sequence.report().parts_removed > 0) {
+        part.push(part[new.from[0] as usize]);
+    }
     let is_solved = |a: &Attribute| sequence.solved.iter().any(|name| name == a.name());
     let is_tangent = |a: &Attribute| a.name() == names::TANGENT && a.width() == 4;
     for (source, target) in mesh.attributes().iter().zip(&mut *attributes) {
@@ -45,8 +51,12 @@ pub(super) fn solve_new(
         let Some(values) = source.as_floats() else { continue };
         let width = source.width();
         let mut class = topology.equal_values(source);
+        // What is nearly equal was folded: it tells of the same values.
+        for &[duplicate, kept] in sequence.aliases() {
+            class[duplicate as usize] = class[kept as usize];
+        }
         class.resize(sequence.vertex_count(), 0);
-        let solved = Sums::new(mesh, values, width, fitted, class).solve(sequence);
+        let solved = Sums::new(mesh, values, width, fitted, class).solve(sequence, &part);
         for (row, &vertex) in vertices.iter().enumerate().filter(|(_, v)| **v >= first) {
             let Some(floats) = target.floats_mut() else { break };
             let best = &solved[(vertex - first) as usize * fitted..][..fitted];
@@ -170,7 +180,7 @@ impl Sums {
 
     /// The values of all new vertices, each when the step that makes it is done: later it takes in more, where it is
     /// kept.
-    fn solve(mut self, sequence: &CollapseSequence) -> Vec<f32> {
+    fn solve(mut self, sequence: &CollapseSequence, part: &[u32]) -> Vec<f32> {
         let first = sequence.input_vertices();
         let mut solved = Vec::with_capacity(sequence.new_vertices().len() * self.width);
         let mut next = first;
@@ -187,6 +197,9 @@ impl Sums {
             }
             passed.clear();
             for pair in substitutions {
+                if !part.is_empty() && part[pair[0] as usize] != part[pair[1] as usize] {
+                    continue;
+                }
                 let classes = pair.map(|v| self.class[v as usize]);
                 if !passed.iter().rev().take(FEW).any(|other| *other == classes) {
                     passed.push(classes);

@@ -23,12 +23,19 @@ pub(super) struct Hubs {
     around: Vec<u32>,
     /// Hubs around which something still sleeps that a change would have woken.
     pending: Vec<u32>,
+    /// Triangles below which the pending are woken: fewer than when they were last.
+    woken_below: usize,
 }
 
 impl Hubs {
     pub fn new(points: usize) -> Self {
         // At first everything is new.
-        Self { changes: vec![u32::MAX; points], around: vec![0; points], pending: Vec::new() }
+        Self {
+            changes: vec![u32::MAX; points],
+            around: vec![0; points],
+            pending: Vec::new(),
+            woken_below: usize::MAX,
+        }
     }
 }
 
@@ -105,8 +112,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
     pub(super) fn is_refused_early(&mut self, pair: Pair, x: Vec3) -> bool {
         self.patch.sample(&self.surface, pair, x, HUB);
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
+        let is_joined = self.parts.as_deref().is_some_and(|parts| parts.has_joined(pair));
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
-            let is_early = oracle.reads() != Reads::Patch && oracle.surcharge().is_none();
+            let is_early = oracle.reads() != Reads::Patch
+                && oracle.surcharge().is_none()
+                && !(is_joined && oracle.keeps_topology());
             if is_early && !oracle.allows(&self.surface, &collapse) {
                 *count += 1;
                 return true;
@@ -118,7 +128,13 @@ impl<M: ErrorMetric> Engine<'_, M> {
     /// Wakes what sleeps only because of hubs or of a limit that has grown since. Whether there was anything.
     pub(super) fn wake_rest(&mut self) -> bool {
         let mut any = false;
-        let mut pending = std::mem::take(&mut self.hubs.pending);
+        let triangles = self.surface.live_triangles();
+        // Each time costs steps for all around the hubs: so it is done when a share of the triangles is gone since.
+        let is_time = triangles < self.hubs.woken_below;
+        let mut pending = if is_time { std::mem::take(&mut self.hubs.pending) } else { Vec::new() };
+        if !pending.is_empty() {
+            self.hubs.woken_below = triangles - triangles / (4 * SHARE);
+        }
         let mut ring = std::mem::take(&mut self.ring);
         for hub in pending.drain(..) {
             self.state[hub as usize] &= !state::PENDING;
@@ -134,7 +150,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
         }
         self.ring = ring;
-        self.hubs.pending = pending;
+        if is_time {
+            self.hubs.pending = pending;
+        }
         if self.watch.has_grown(self.surface.live_triangles()) {
             any |= self.queue_parts();
             for point in 0..self.state.len() as u32 {

@@ -4,12 +4,15 @@
 //! ```text
 //!   on a triangle, a scalar attribute s is linear in the plane:   s(x) = g . (x - p) + s_p,   g in the plane
 //!   moved to x with the value v it is off by:                     area * (w * (g . (x - p) + s_p - v))^2
+//!   the sum over the triangles around a wedge, with G, S the means of g and of s at the wedge's place, by area:
+//!                                                                 area * (G . d + S - v)^2  +  rest(d)
 //! ```
 //!
-//! The sum over the triangles around a wedge is a quadric in position *and* value. Each is kept relative to its own
-//! wedge's position and values, where it is 0 to begin with: the terms are then as small as what changes, and single
-//! precision suffices (compare `quadric.rs`). A wedge's quadric goes where the wedge goes, so seams keep their sides
-//! apart: the cost of a collapse is the sum over the lost point's wedges, each at the wedge it would become.
+//! What is left, `rest`, is a quadric of the position alone: how much the triangles disagree about the value there. Two
+//! sums of areas a and b with means G, S and H, T make one, whose rest grows by `a b / (a + b) ((G - H) . d + S - T)^2`.
+//! So nothing is ever subtracted: where an attribute is linear nothing is left, and single precision suffices (compare
+//! `quadric.rs`). A wedge's sum goes where the wedge goes, so seams keep their sides apart: the cost of a collapse is the
+//! sum over the lost point's wedges, each at the wedge it would become.
 
 use glam::{Vec3, Vec4};
 
@@ -211,18 +214,17 @@ pub struct WithAttributes<M = Quadric> {
     /// Values in the inner frame, one set per vertex, new ones included.
     values: Vec<Vec4>,
     heads: Vec<Head>,
-    /// Sums of area times gradient, and of area times offset; `stride` per vertex.
-    slopes: Vec<Slopes>,
-    /// A vertex's values before they were solved.
-    old: Vec<Vec4>,
+    /// `stride` per vertex.
+    planes: Vec<Planes>,
 }
 
-/// The part of a wedge's quadric that does not grow with the scalars: `d'Ad + 2 b'd + c` at unchanged values.
+/// The part of a wedge's sum that does not grow with the scalars: its area, and what is left at the best values,
+/// `d'Rd + 2 b'd + c`.
 #[derive(Debug, Clone, Copy, Default)]
 struct Head {
     origin: Vec3,
     /// xx, yy, zz, xy, xz, yz.
-    a: [f32; 6],
+    rest: [f32; 6],
     b: Vec3,
     c: f32,
     area: f32,
@@ -231,7 +233,7 @@ struct Head {
 impl Head {
     #[inline]
     fn times(&self, d: Vec3) -> Vec3 {
-        let [xx, yy, zz, xy, xz, yz] = self.a;
+        let [xx, yy, zz, xy, xz, yz] = self.rest;
         Vec3::new(
             xx * d.x + xy * d.y + xz * d.z,
             xy * d.x + yy * d.y + yz * d.z,
@@ -239,28 +241,83 @@ impl Head {
         )
     }
 
-    /// The quadric at unchanged values.
+    /// What is left at `d` from the origin.
     #[inline]
     fn at(&self, d: Vec3) -> f32 {
         d.dot(self.times(d)) + 2.0 * d.dot(self.b) + self.c
     }
 }
 
-/// The part that four scalars have to themselves: `u (area u - 2 (slope . d + offset))` where the value is off by `u`.
+/// The mean slopes of four scalars, and their mean values at the origin.
 #[derive(Debug, Clone, Copy, Default)]
-struct Slopes {
+struct Planes {
     x: Vec4,
     y: Vec4,
     z: Vec4,
-    offset: Vec4,
+    value: Vec4,
 }
 
-impl Slopes {
-    /// `slope . d + offset`.
+impl Planes {
+    /// The best values at `d` from the origin.
     #[inline]
     fn at(&self, d: Vec3) -> Vec4 {
-        self.x * d.x + self.y * d.y + self.z * d.z + self.offset
+        self.value + self.x * d.x + self.y * d.y + self.z * d.z
     }
+
+    /// What these say more than others, both about the same origin.
+    #[inline]
+    fn minus(&self, other: &Self) -> Self {
+        Self {
+            x: self.x - other.x,
+            y: self.y - other.y,
+            z: self.z - other.z,
+            value: self.value - other.value,
+        }
+    }
+
+    /// Goes a share of the way by which another differs.
+    #[inline]
+    fn toward(&mut self, difference: &Self, share: f32) {
+        self.x += difference.x * share;
+        self.y += difference.y * share;
+        self.z += difference.z * share;
+        self.value += difference.value * share;
+    }
+}
+
+/// Sums of squared differences of planes, lane by lane.
+#[derive(Debug, Clone, Copy, Default)]
+struct Squares {
+    rest: [Vec4; 6],
+    b: [Vec4; 3],
+    c: Vec4,
+}
+
+impl Squares {
+    #[inline]
+    fn add(&mut self, Planes { x, y, z, value }: &Planes) {
+        let (x, y, z, value) = (*x, *y, *z, *value);
+        let terms = [x * x, y * y, z * z, x * y, x * z, y * z];
+        self.rest.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        self.b.iter_mut().zip([x, y, z]).for_each(|(sum, slope)| *sum += slope * value);
+        self.c += value * value;
+    }
+
+    /// The sums over the lanes, times a weight: of squared slopes, of slope times value, of squared values.
+    #[inline]
+    fn weighed(&self, weight: f32) -> ([f32; 6], Vec3, f32) {
+        (
+            self.rest.map(|x| weight * sum(x)),
+            Vec3::from_array(self.b.map(|x| weight * sum(x))),
+            weight * sum(self.c),
+        )
+    }
+}
+
+/// `a b / (a + b)`; 0 where both are.
+#[inline]
+fn joint(a: f32, b: f32) -> f32 {
+    if a + b > 0.0 { a * (b / (a + b)) } else { 0.0 }
 }
 
 /// The corner of a triangle after each.
@@ -336,8 +393,7 @@ impl<M: ErrorMetric> WithAttributes<M> {
             unit: 0.0,
             values: Vec::new(),
             heads: Vec::new(),
-            slopes: Vec::new(),
-            old: Vec::new(),
+            planes: Vec::new(),
         }
     }
 }
@@ -355,22 +411,21 @@ impl<M> WithAttributes<M> {
     }
 
     #[inline]
-    fn slopes_of(&self, vertex: u32) -> &[Slopes] {
-        &self.slopes[vertex as usize * self.stride..][..self.stride]
+    fn planes_of(&self, vertex: u32) -> &[Planes] {
+        &self.planes[vertex as usize * self.stride..][..self.stride]
     }
 
-    /// The quadric of a wedge at a position and the values of another vertex.
+    /// What a wedge is off by at a position and the values of another vertex.
     #[inline]
     fn deviation(&self, wedge: u32, x: Vec3, like: u32) -> f32 {
         let head = &self.heads[wedge as usize];
         let d = x - head.origin;
         let mut off = Vec4::ZERO;
-        let own = self.values_of(wedge).iter().zip(self.slopes_of(wedge));
-        for ((own, slopes), value) in own.zip(self.values_of(like)) {
-            let u = *value - *own;
-            off += u * (head.area * u - 2.0 * slopes.at(d));
+        for (planes, value) in self.planes_of(wedge).iter().zip(self.values_of(like)) {
+            let u = *value - planes.at(d);
+            off += u * u;
         }
-        (head.at(d) + sum(off)).max(0.0)
+        head.area * sum(off) + head.at(d).max(0.0)
     }
 
     /// What a wedge is off by at a position, with the values of another.
@@ -388,7 +443,7 @@ impl<M> WithAttributes<M> {
             off.sum += self.deviation(lost, x, kept);
             off.area += self.heads[lost as usize].area;
             if whole {
-                off.sum += self.heads[kept as usize].c;
+                off.sum += self.deviation(kept, x, kept);
                 off.area += self.heads[kept as usize].area;
             }
         });
@@ -404,49 +459,39 @@ impl<M> WithAttributes<M> {
         all
     }
 
-    /// Adds what two wedges that become one are off by, as a function of position: for every scalar the value that is
-    /// best there is put in.
-    ///
-    /// With `u` the value less that of `lost`, the sum of both is, in `u`, `area u^2 - 2 u (slope . d + offset)`, and least
-    /// where `u = (slope . d + offset) / area`.
+    /// Adds what two wedges that become one are off by, as a function of position, with the best values there.
     #[inline]
     fn add_wedges(&self, all: &mut AttributeQuadric, lost: u32, kept: u32) {
-        let (first, second) = (&self.heads[lost as usize], &self.heads[kept as usize]);
+        self.add_rest(all, lost);
         // Where no edge joins two parts they may be one wedge already.
-        let alone = f32::from(u8::from(lost != kept));
-        let t = second.origin - all.origin;
-        let at = second.times(t);
-        let part = second.area * alone;
-        let area = first.area + part;
-        let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
-        let mut h = [Vec4::ZERO; 6];
-        let (mut b, mut c) = ([Vec4::ZERO; 3], Vec4::ZERO);
-        let values = self.values_of(lost).iter().zip(self.values_of(kept));
-        let slopes = self.slopes_of(lost).iter().zip(self.slopes_of(kept));
-        for ((from, to), (s, r)) in values.zip(slopes) {
-            let u = *to - *from;
-            // About the values of `lost`, and where the lost point lies.
-            let there = (r.offset - (r.x * t.x + r.y * t.y + r.z * t.z)) * alone;
-            let offset = s.offset + there + part * u;
-            let [x, y, z] = [s.x + r.x * alone, s.y + r.y * alone, s.z + r.z * alone];
-            let [xi, yi, zi] = [x * inverse, y * inverse, z * inverse];
-            let terms = [x * xi, y * yi, z * zi, x * yi, x * zi, y * zi];
-            h.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-            b[0] += r.x * u * alone - xi * offset;
-            b[1] += r.y * u * alone - yi * offset;
-            b[2] += r.z * u * alone - zi * offset;
-            c += u * (part * u + 2.0 * there) - offset * offset * inverse;
+        if lost == kept {
+            return;
         }
-        for i in 0..6 {
-            all.h.0[i] += f64::from(first.a[i]) + f64::from(second.a[i] * alone) - f64::from(sum(h[i]));
+        self.add_rest(all, kept);
+        let (first, second) = (&self.heads[lost as usize], &self.heads[kept as usize]);
+        let t = first.origin - second.origin;
+        let mut squares = Squares::default();
+        for (mine, theirs) in self.planes_of(lost).iter().zip(self.planes_of(kept)) {
+            squares.add(&mine.minus(&Planes { value: theirs.at(t), ..*theirs }));
         }
-        let slopes = Vec3::from_array(b.map(sum));
-        all.b += (first.b + (second.b - at) * alone + slopes).as_dvec3();
-        all.constant += f64::from(first.c + (t.dot(at) - 2.0 * second.b.dot(t) + second.c) * alone + sum(c));
-        all.area += area;
+        let (rest, b, c) = squares.weighed(joint(first.area, second.area));
+        all.h.0.iter_mut().zip(rest).for_each(|(sum, x)| *sum += f64::from(x));
+        all.b += b.as_dvec3();
+        all.constant += f64::from(c);
     }
 
-    /// The quadrics of the surface as it is. Their sums run over the triangles in order, so they are the same always.
+    /// Adds what is left of a wedge at its best values.
+    #[inline]
+    fn add_rest(&self, all: &mut AttributeQuadric, wedge: u32) {
+        let head = &self.heads[wedge as usize];
+        let t = all.origin - head.origin;
+        all.h.0.iter_mut().zip(head.rest).for_each(|(sum, x)| *sum += f64::from(x));
+        all.b += (head.b + head.times(t)).as_dvec3();
+        all.constant += f64::from(head.at(t).max(0.0));
+        all.area += head.area;
+    }
+
+    /// The sums of the surface as it is. They run over the triangles in order, so they are the same always.
     fn build(&mut self, surface: &Surface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
         let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
@@ -458,8 +503,8 @@ impl<M> WithAttributes<M> {
         self.values.resize(count * self.stride, Vec4::ZERO);
         self.heads.clear();
         self.heads.resize(count, Head::default());
-        self.slopes.clear();
-        self.slopes.resize(count * self.stride, Slopes::default());
+        self.planes.clear();
+        self.planes.extend(self.values.iter().map(|&value| Planes { value, ..Planes::default() }));
         let mut points = [0; 3];
         for t in triangles() {
             if let Some(corners) = surface.triangle(t) {
@@ -471,7 +516,8 @@ impl<M> WithAttributes<M> {
         }
     }
 
-    /// Adds a triangle to the quadrics of its three wedges.
+    /// Adds a triangle to the sums of its three wedges. It says of each wedge's value what the wedge does; they differ in
+    /// slopes only.
     fn add_triangle(&mut self, [p, q, r]: [Vec3; 3], wedges: [u32; 3]) {
         let (e, f) = (q - p, r - p);
         let cross = e.cross(f);
@@ -481,88 +527,64 @@ impl<M> WithAttributes<M> {
         // grad s = (s_q - s_p) * along_e + (s_r - s_p) * along_f
         let normal = cross * inverse;
         let (along_e, along_f) = (f.cross(normal) * inverse, normal.cross(e) * inverse);
-        let mut a = [0.0; 6];
+        let mut squares = [Squares::default(); 3];
         for block in 0..self.stride {
             let [sp, sq, sr] = wedges.map(|w| self.values[w as usize * self.stride + block]);
             let (se, sf) = (sq - sp, sr - sp);
             let [x, y, z] = [0, 1, 2].map(|i| se * along_e[i] + sf * along_f[i]);
-            let terms = [x * x, y * y, z * z, x * y, x * z, y * z];
-            a.iter_mut().zip(terms).for_each(|(all, term)| *all += area * sum(term));
-            for wedge in wedges {
-                let slopes = &mut self.slopes[wedge as usize * self.stride + block];
-                slopes.x += area * x;
-                slopes.y += area * y;
-                slopes.z += area * z;
+            for (&wedge, squares) in wedges.iter().zip(&mut squares) {
+                let own = &mut self.planes[wedge as usize * self.stride + block];
+                let difference = Planes { x, y, z, value: own.value }.minus(own);
+                squares.add(&difference);
+                let before = self.heads[wedge as usize].area;
+                own.toward(&difference, if before + area > 0.0 { area / (before + area) } else { 0.0 });
             }
         }
-        for (wedge, origin) in wedges.into_iter().zip([p, q, r]) {
+        for ((wedge, origin), squares) in wedges.into_iter().zip([p, q, r]).zip(squares) {
             let head = &mut self.heads[wedge as usize];
+            let (rest, ..) = squares.weighed(joint(head.area, area));
             head.origin = origin;
+            head.rest.iter_mut().zip(rest).for_each(|(sum, term)| *sum += term);
             head.area += area;
-            head.a.iter_mut().zip(a).for_each(|(sum, term)| *sum += term);
         }
     }
 
-    /// Adds the quadric of `from` to that of `to`, about the place and values of `to`.
+    /// Adds the sum of `from` to that of `to`, about the place of `to`.
     fn transfer(&mut self, from: u32, to: u32) {
-        let (from, to) = (from as usize, to as usize);
-        let head = self.heads[from];
-        let t = self.heads[to].origin - head.origin;
-        let mut b = head.b + head.times(t);
-        let mut c = Vec4::ZERO;
+        let head = self.heads[from as usize];
+        let (before, t) = (self.heads[to as usize].area, self.heads[to as usize].origin - head.origin);
+        let both = before + head.area;
+        let share = if both > 0.0 { head.area / both } else { 0.0 };
+        let mut squares = Squares::default();
         for block in 0..self.stride {
-            let (i, j) = (from * self.stride + block, to * self.stride + block);
-            let u = self.values[j] - self.values[i];
-            let slopes = self.slopes[i];
-            let here = slopes.at(t) - head.area * u;
-            c -= u * (here + here + head.area * u);
-            b -= Vec3::new(sum(u * slopes.x), sum(u * slopes.y), sum(u * slopes.z));
-            let target = &mut self.slopes[j];
-            target.x += slopes.x;
-            target.y += slopes.y;
-            target.z += slopes.z;
-            target.offset += here;
+            let more = self.planes[from as usize * self.stride + block];
+            let own = &mut self.planes[to as usize * self.stride + block];
+            let difference = Planes { value: more.at(t), ..more }.minus(own);
+            squares.add(&difference);
+            own.toward(&difference, share);
         }
-        let target = &mut self.heads[to];
-        target.b += b;
-        target.c += (head.at(t) + sum(c)).max(0.0);
+        let (rest, b, c) = squares.weighed(joint(before, head.area));
+        let target = &mut self.heads[to as usize];
+        target.rest.iter_mut().zip(head.rest).zip(rest).for_each(|((sum, x), y)| *sum += x + y);
+        target.b += head.b + head.times(t) + b;
+        target.c += head.at(t).max(0.0) + c;
         target.area += head.area;
-        target.a.iter_mut().zip(head.a).for_each(|(sum, term)| *sum += term);
     }
 
     /// Gives a vertex the values that are best where it lies; directions are brought back to their length.
     fn solve(&mut self, vertex: u32) {
-        let area = self.heads[vertex as usize].area;
         let first = vertex as usize * self.stride;
-        let mut old = std::mem::take(&mut self.old);
-        old.clear();
-        old.extend_from_slice(&self.values[first..][..self.stride]);
-        if area > 0.0 {
-            for (value, slopes) in self.values[first..].iter_mut().zip(&self.slopes[first..]) {
-                *value += slopes.offset / area;
-            }
+        for (value, planes) in self.values[first..].iter_mut().zip(&self.planes[first..]) {
+            *value = planes.value;
         }
-        let length = |weight: f32| weight * self.unit;
         for &(scalar, weight) in &self.directions {
             let at = |i: usize| (first + (scalar + i) / 4, (scalar + i) % 4);
             let direction = Vec3::from_array(std::array::from_fn(|i| self.values[at(i).0][at(i).1]));
             if let Some(unit) = direction.try_normalize() {
-                let direction = unit * length(weight);
+                let direction = unit * (weight * self.unit);
                 (0..3).for_each(|i| self.values[at(i).0][at(i).1] = direction[i]);
             }
         }
-        // The quadric about the new values.
-        let head = &mut self.heads[vertex as usize];
-        let mut c = 0.0;
-        for (block, old) in old.iter().enumerate() {
-            let u = self.values[first + block] - *old;
-            let slopes = &mut self.slopes[first + block];
-            c += sum(u * (area * u - 2.0 * slopes.offset));
-            head.b -= Vec3::new(sum(u * slopes.x), sum(u * slopes.y), sum(u * slopes.z));
-            slopes.offset -= area * u;
-        }
-        head.c = (head.c + c).max(0.0);
-        self.old = old;
     }
 }
 
@@ -652,13 +674,16 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         if reach > self.heads.len() {
             self.heads.resize(reach, Head::default());
             self.values.resize(reach * self.stride, Vec4::ZERO);
-            self.slopes.resize(reach * self.stride, Slopes::default());
+            self.planes.resize(reach * self.stride, Planes::default());
         }
         for (new, vertex) in new_vertices.iter().zip(first_new..) {
             self.heads[vertex as usize].origin = Vec3::from(position);
             for block in 0..self.stride {
                 let [a, b] = new.from.map(|v| self.values[v as usize * self.stride + block]);
-                self.values[vertex as usize * self.stride + block] = a + (b - a) * new.weight;
+                let value = a + (b - a) * new.weight;
+                // Without an area this is all that is known.
+                self.planes[vertex as usize * self.stride + block].value = value;
+                self.values[vertex as usize * self.stride + block] = value;
             }
         }
         for &[from, to] in pairs {
