@@ -376,7 +376,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// Goes on in linear order where nothing waits any more: with pairs that have come near since, and then with parts that
     /// had to wait for everything else.
     fn run_rest(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
-        let Some(mut parts) = self.parts.take() else { return None };
+        let mut parts = self.parts.take()?;
         // What is done now comes after everything before.
         self.vanishing.floor = self.ranks.iter().copied().max().unwrap_or(0);
         for _ in 0..if self.partners.is_empty() { 0 } else { LOOKS } {
@@ -675,7 +675,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let mut surcharge = 1.0;
         let is_joined = self.parts.as_deref().is_some_and(|parts| parts.has_joined(pair));
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
-            if !oracle.allows(&self.surface, &collapse) && !(is_joined && oracle.keeps_topology()) {
+            let is_asked = !(is_joined && oracle.keeps_topology());
+            if is_asked && !oracle.allows(&self.surface, &collapse) {
                 *count += 1;
                 surcharge *= oracle.surcharge()?.max(1.0);
             }
@@ -796,7 +797,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         if let Some(parts) = &mut self.parts {
             parts.merge(pair.lost, pair.kept, self.dead.len());
             if !self.partners.is_empty() && self.surface.valence(pair.kept) > 0 {
-                self.partners.look(&self.surface, parts, pair.kept);
+                self.partners.look(&self.surface, parts, pair.kept, Some(pair.lost));
             }
         }
         self.update_around(pair, rank);

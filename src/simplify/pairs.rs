@@ -1,8 +1,9 @@
 //! Vertex pairs that no edge joins: points of different parts closer than a distance, so that separate parts may grow
 //! together (TOM 4.1).
 //!
-//! Every point keeps the nearest few points of other parts. A merge looks for those of the merged point anew, so pairs
-//! come up as parts draw near, and none is left of parts that have become one.
+//! Every point keeps the nearest few points of other parts. A merge looks anew for what lies near the merged point, and hands
+//! on the pairs of both, so pairs come up as parts draw near, go with the points that they were found for, and none is left of
+//! parts that have become one. Where points lay in the input decides what is near.
 
 use crate::mesh::NONE;
 
@@ -37,17 +38,19 @@ impl Partners {
         self.nearest.is_empty()
     }
 
-    /// Looks for the partners of a point anew.
-    pub fn look(&mut self, surface: &Surface, parts: &mut Parts, point: u32) {
+    /// Looks for the partners of a point anew: what lies near it now, and then those that it had, and those of a point that
+    /// was merged into it.
+    pub fn look(&mut self, surface: &Surface, parts: &mut Parts, point: u32, merged: Option<u32>) {
         let own = parts.of(point);
         // Several may have become one point since.
         parts.nearest(surface.at(point), own, (2 * MOST, self.distance), &mut self.found);
+        let had = [Some(point), merged].into_iter().flatten().flat_map(|p| self.nearest[p as usize]);
         let mut nearest = [NONE; MOST];
         let mut count = 0;
-        for &(_, other) in &self.found {
+        for other in self.found.iter().map(|found| found.1).chain(had.filter(|&other| other != NONE)) {
             let other = parts.current(other);
-            let is_near = surface.at(other).distance(surface.at(point)) <= self.distance;
-            if count < MOST && is_near && surface.valence(other) > 0 && !nearest[..count].contains(&other) {
+            let is_other = surface.valence(other) > 0 && parts.of(other) != own;
+            if count < MOST && is_other && !nearest[..count].contains(&other) {
                 nearest[count] = other;
                 count += 1;
             }
@@ -58,7 +61,7 @@ impl Partners {
     /// Looks for the partners of all points anew.
     pub fn look_all(&mut self, surface: &Surface, parts: &mut Parts) {
         for point in (0..surface.point_count() as u32).filter(|&p| surface.valence(p) > 0) {
-            self.look(surface, parts, point);
+            self.look(surface, parts, point, None);
         }
     }
 
@@ -68,10 +71,7 @@ impl Partners {
         let (Some(nearest), Some(parts)) = (self.nearest.get(point as usize), parts) else { return };
         for &other in nearest.iter().take_while(|&&other| other != NONE) {
             let other = parts.now(other);
-            if surface.valence(other) > 0
-                && parts.of(other) != parts.of(point)
-                && surface.at(other).distance(surface.at(point)) <= self.distance
-            {
+            if surface.valence(other) > 0 && parts.of(other) != parts.of(point) {
                 visit(other);
             }
         }

@@ -38,11 +38,15 @@ pub(super) struct Shape {
 }
 
 impl Shape {
+    /// Whether it faces one way more than the others: a card, and no pebble.
+    pub fn is_flat(&self) -> bool {
+        self.direction.length() > NO_DIRECTION * self.area
+    }
+
     /// Whether two parts look alike: of one material, and near in size and direction.
     pub fn is_kin(&self, other: &Self) -> bool {
         let (small, large) = (self.area.min(other.area), self.area.max(other.area));
-        let flat = |shape: &Self| shape.direction.length() > NO_DIRECTION * shape.area;
-        let along = match (flat(self), flat(other)) {
+        let along = match (self.is_flat(), other.is_flat()) {
             (true, true) => {
                 let dot = self.direction.dot(other.direction).abs();
                 dot >= KIN_COSINE * self.direction.length() * other.direction.length()

@@ -182,7 +182,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     ///
     /// With [`Parts::Vanish`] a corner of the nearest kin moves to the far end of a part that vanishes, where that is within
     /// this distance, so that less of what was covered is lost. With [`Parts::Keep`] points of different parts may be merged
-    /// (vertex pairs, TOM 4.1): every point looks at the eight nearest of other parts, again when it was merged itself; about
+    /// (vertex pairs, TOM 4.1): every point has the eight nearest of other parts, found anew whenever it takes in another; about
     /// parts that were joined, rules that keep the topology are not asked ([`Oracle::keeps_topology`]).
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {

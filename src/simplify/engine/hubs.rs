@@ -154,6 +154,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.hubs.pending = pending;
         }
         if self.watch.has_grown(self.surface.live_triangles()) {
+            any |= self.queue_parts();
             for point in 0..self.state.len() as u32 {
                 if self.state[point as usize] & state::GUARDED != 0 {
                     self.state[point as usize] &= !state::GUARDED;

@@ -9,8 +9,8 @@
 //!     joining               in a second step a corner of the heir moves to the part's far end
 //! ```
 //!
-//! Collapses that would leave of a remnant a rag are not done (`Engine::makes_rag`): half a leaf is worth less than
-//! none, since a leaf that is left can grow.
+//! Collapses that would leave of a card a rag are not done (`Engine::makes_rag`): half a leaf is worth less than none,
+//! since a leaf that is left can grow. A pebble goes on to a tetrahedron.
 
 use glam::Vec3;
 
@@ -27,7 +27,7 @@ use super::{Engine, state};
 
 /// A part of at most so many triangles is a remnant.
 const REMNANT: u32 = 10;
-/// The share of its area below which a part is a rag.
+/// The share of its area below which a part that faces one way is a rag.
 const KEPT_AREA: f32 = 0.6;
 /// Parts of more triangles wait as if they had so many.
 const LARGE: u32 = 64;
@@ -68,18 +68,24 @@ impl Vanishing {
 }
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Lets every part wait that may vanish.
-    pub(super) fn queue_parts(&mut self) {
-        let Some(parts) = self.parts.take().filter(|_| self.vanishing.is_on) else { return };
+    /// Lets every part wait that may vanish. Whether there is any.
+    pub(super) fn queue_parts(&mut self) -> bool {
+        if !self.vanishing.is_on {
+            return false;
+        }
+        let Some(parts) = self.parts.take() else { return false };
         let first = self.state.len() as u32;
+        let mut any = false;
         for part in 0..parts.count() as u32 {
             if parts.root(part) == part && parts.live(part) > 0 && parts.may_vanish(part) {
                 if let Some(cost) = self.loss_cost(&parts, part, parts.least_loss(part)) {
                     self.queue.insert(first + part, cost);
+                    any = true;
                 }
             }
         }
         self.parts = Some(parts);
+        any
     }
 
     /// What a loss counts as in the queue: per pair of triangles, as collapses take them away; `None` where it does not
@@ -167,8 +173,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let guard = self.watch.limit(self.surface.live_triangles() - parts.live(part) as usize);
         if error.surface > guard {
+            // It waits until there are fewer triangles.
             self.watch.refuse(guard);
-            self.let_stay(part, parts, &scratch.points);
+            for &point in &scratch.points {
+                self.state[point as usize] |= state::GUARDED;
+            }
             return false;
         }
         let reached = self.reach(into, scratch);
@@ -177,6 +186,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
             let pair = Pair { lost: into, kept: point };
             self.commit(Candidate { pair, x: self.surface.at(point), object: None });
             parts.absorb(into, point);
+            let both = parts.of(point);
+            if let Some(cost) = self.loss_cost(parts, both, parts.least_loss(both)) {
+                self.queue.insert(self.state.len() as u32 + both, cost);
+            }
         }
         true
     }
@@ -295,7 +308,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
     }
 
-    /// Whether a collapse whose patch is in `self.patch` would leave too little of a part that can vanish instead.
+    /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
     pub(super) fn makes_rag(&self, pair: Pair) -> bool {
         let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
         if self.limits.error.is_finite() || self.patch.thirds().is_empty() {
@@ -303,7 +316,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let part = parts.of(pair.kept);
         let live = parts.live(part);
-        if live > REMNANT || !parts.may_vanish(part) || parts.is_joined(part) {
+        let is_card = parts.shape(part).is_flat() && !parts.is_joined(part);
+        if live > REMNANT || !is_card || !parts.may_vanish(part) {
             return false;
         }
         // The part's triangles as they are, found from one to the next.
