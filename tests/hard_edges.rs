@@ -102,7 +102,7 @@ fn flat_shaded_meshes_reach_their_target_and_stay_flat_shaded() {
 #[test]
 fn the_angle_is_found_that_normals_were_made_with() {
     let box_ = shapes::box_with_face_normals(6);
-    let cases = [(flat_shaded(&shapes::icosphere(2)), 0.0..4.0), (box_, 1.0..90.0)];
+    let cases = [(flat_shaded(&shapes::icosphere(2)), 0.0..4.0), (box_, 0.0..90.0)];
     for (mesh, range) in cases {
         let (creases, share) = Creases::fitted(&mesh).unwrap();
         assert!(range.contains(&creases.angle), "{creases:?}, not {range:?}");

@@ -159,7 +159,7 @@ fn the_command_line_keeps_places() {
         let measured = json("measure", &[&input, &output], "").answer();
         let same = json("measure", &[&output, &output], "").answer();
         assert!(measured["distance"]["both"]["max"].as_f64().unwrap() < 5.0, "{measured}");
-        assert_eq!(same["distance"]["both"]["max"].as_f64(), Some(0.0));
+        assert!(same["distance"]["both"]["max"].as_f64().unwrap() < 1e-9, "{same}");
     }
     let [baked, level] = ["all.mres", "level.obj"].map(|name| folder.file(name));
     json("build", &[&input, &baked], "--structure tom").answer();

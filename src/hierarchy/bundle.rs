@@ -1,7 +1,9 @@
 //! A vertex hierarchy together with its vertices: a mesh that can be refined by view, in one value, as baked to a file.
 //!
 //! Positions, attributes and locks lie in the hierarchy's order, triangles and materials in the hierarchy alone, so nothing
-//! is stored twice. Duplicates and vertices that no triangle uses are left out.
+//! is stored twice. Duplicates and vertices that no triangle uses are left out. So the full
+//! resolution is the input up to the tolerances of the simplification: a vertex is drawn in place of those folded into it,
+//! and where it was snapped to.
 
 use std::sync::Arc;
 

@@ -16,7 +16,7 @@ use super::edges::next_half_edge;
 use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
 
 /// Edges that turn by less are flat: no angle makes creases of them, since rounding alone makes as much.
-const FLAT_DEGREES: f64 = 0.05;
+const FLAT_DEGREES: f64 = 0.02;
 /// Edges of more triangles are creases.
 const MOST_AT_AN_EDGE: usize = 8;
 /// Normals that turn by less across an edge make no crease.
@@ -289,13 +289,19 @@ impl Facets {
     /// The angle that parts smooth edges from creases with the fewest mistakes, degrees.
     fn best_angle(&self, mesh: &Mesh, stored: &[DVec3]) -> f32 {
         let vertex = |half_edge: u32| mesh.triangles().as_flattened()[half_edge as usize] as usize;
-        let same = |a: u32, b: u32| stored[vertex(a)].dot(stored[vertex(b)]) >= cos(SAME_EDGE_DEGREES);
+        // Chords of angles; across a small turn face normals lie as near each other as the faces.
+        let chord = |turn: f64| (2.0 - 2.0 * turn).max(0.0).sqrt();
+        let same = |a: u32, b: u32, turn: f64| {
+            let least = chord(cos(SAME_EDGE_DEGREES)).min(0.5 * chord(turn));
+            stored[vertex(a)].distance(stored[vertex(b)]) < least
+        };
         let flat = cos(FLAT_DEGREES);
         let mut edges: Vec<(f64, bool)> = Vec::new();
         self.for_smoothable(|a, b, turn| {
             // Sides of one sheet look away from each other; that says nothing.
             if turn < flat && turn > OPPOSITE {
-                edges.push((turn, same(a, next_half_edge(b)) && same(next_half_edge(a), b)));
+                let is_smooth = same(a, next_half_edge(b), turn) && same(next_half_edge(a), b, turn);
+                edges.push((turn, is_smooth));
             }
         });
         edges.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));

@@ -1,11 +1,11 @@
 //! Positions that nearly coincide: each snapped to a representative within a distance, by a grid.
 //!
 //! ```text
-//!     +-----+-----+-----+      cells as wide as the distance: what is within it lies in the 27 cells around
-//!     |     | r   |     |      r, s  representatives
-//!     |     |  x  |     |      x     goes to the nearest of them within the distance
-//!     |     |     | s   |            and is one itself where there is none
-//!     +-----+-----+-----+
+//!     +-----------+-----------+      cells several distances wide: what is within the distance mostly lies in one cell,
+//!     |           |    r      |      and in eight at most
+//!     |         x |           |      r, s  representatives
+//!     |     s     |           |      x     goes to the nearest of them within the distance, and is one itself where
+//!     +-----------+-----------+            there is none
 //! ```
 //!
 //! Items are looked at in order, and a position is only ever snapped to one that stays where it is: so nothing moves by
@@ -13,67 +13,88 @@
 
 use super::{Edges, Mesh, NONE, Topology};
 
-/// Representatives of a cell that are looked at. Those within one distance of each other are 27 at most; only where pairs
-/// are held apart can there be more.
-const MOST_IN_CELL: usize = 64;
-
 /// Border points are one within this share of the shortest edge at either: far less than where a cut starts to matter.
 const SHARE_OF_EDGE: f64 = 0.25;
+/// More than the distance between any two positions of single precision.
+const FARTHEST: f64 = 2e39;
+
+/// The grid: distances in the side of a cell, and how many representatives of one are looked at, the latest first.
+struct Grid {
+    side: f64,
+    most: usize,
+}
+
+/// Where representatives lie no nearer to each other than the distance: there are at most a few hundred in a cell.
+const DENSE: Grid = Grid { side: 4.0, most: usize::MAX };
+/// Where hardly any two positions lie within the distance. Of pairs that are held apart any number may lie in a cell.
+const SPARSE: Grid = Grid { side: 16.0, most: 64 };
 
 /// For each position the one whose place it takes, an earlier one or itself: the nearest representative within the lesser
 /// of both positions' reaches, which are at most `distance`. O(n log n).
-fn representatives(positions: &[[f32; 3]], distance: f64, reach: impl Fn(usize) -> f64) -> Vec<u32> {
-    let own = || (0..positions.len() as u32).collect();
+fn representatives(
+    positions: &[[f32; 3]],
+    distance: f64,
+    grid: &Grid,
+    reach: impl Fn(usize) -> f64,
+) -> Vec<u32> {
+    let mut representative: Vec<u32> = (0..positions.len() as u32).collect();
     // Between different numbers of single precision there is no less.
     if distance.is_nan() || distance < f64::from(f32::from_bits(1)) {
-        return own();
+        return representative;
     }
-    let cell = |p: &[f32; 3]| p.map(|x| (f64::from(x) / distance).floor() + 0.0);
+    let distance = distance.min(FARTHEST);
+    // Adding zero turns a negative zero into a positive one.
+    let cell = |p: [f64; 3]| p.map(|x| (x / (grid.side * distance)).floor() + 0.0);
     let before = |a: &[f64; 3], b: &[f64; 3]| {
         a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
     };
-    let mut cells: Vec<[f64; 3]> = positions.iter().map(cell).collect();
-    cells.sort_unstable_by(before);
-    cells.dedup();
+    let items = (0..).zip(positions);
+    let mut sorted: Vec<([f64; 3], u32)> = items.map(|(item, p)| (cell(p.map(f64::from)), item)).collect();
+    sorted.sort_unstable_by(|a, b| before(&a.0, &b.0).then(a.1.cmp(&b.1)));
+    let mut cells: Vec<[f64; 3]> = Vec::new();
+    let mut cell_of = vec![0_u32; positions.len()];
+    for (key, item) in sorted {
+        if cells.last() != Some(&key) {
+            cells.push(key);
+        }
+        cell_of[item as usize] = cells.len() as u32 - 1;
+    }
+
     // Per cell its latest representative, and per representative the one before it in its cell.
     let mut latest = vec![NONE; cells.len()];
     let mut earlier = vec![NONE; positions.len()];
-    let mut representative: Vec<u32> = own();
-    for (item, position) in positions.iter().enumerate() {
-        let at = cell(position);
+    let some = |item: u32| (item != NONE).then_some(item);
+    for (item, &position) in positions.iter().enumerate() {
+        let own = cell_of[item] as usize;
         let mut nearest: Option<(f64, u32)> = None;
-        for x in -1..=1 {
-            for y in -1..=1 {
-                // The three cells above each other follow each other, if they are there.
-                let column = [at[0] + f64::from(x), at[1] + f64::from(y), at[2]];
-                let first =
-                    cells.partition_point(|c| before(c, &[column[0], column[1], at[2] - 1.0]).is_lt());
-                let near = cells[first..]
-                    .iter()
-                    .take(3)
-                    .enumerate()
-                    .take_while(|(_, c)| c[0] == column[0] && c[1] == column[1] && c[2] <= at[2] + 1.0);
-                for (i, _) in near {
-                    let some = |item: u32| (item != NONE).then_some(item);
-                    let all = std::iter::successors(some(latest[first + i]), |&r| some(earlier[r as usize]));
-                    for other in all.take(MOST_IN_CELL) {
-                        let apart = apart(positions[other as usize], *position);
-                        let within = apart <= distance.min(reach(item)).min(reach(other as usize));
-                        let closer =
-                            nearest.is_none_or(|(least, r)| apart < least || apart == least && other < r);
-                        if within && closer {
-                            nearest = Some((apart, other));
-                        }
-                    }
+        let mut look_at = |slot: usize| {
+            let all = std::iter::successors(some(latest[slot]), |&r| some(earlier[r as usize]));
+            for other in all.take(grid.most) {
+                let apart = apart(positions[other as usize], position);
+                let within = apart <= distance.min(reach(item)).min(reach(other as usize));
+                if within && nearest.is_none_or(|(least, r)| apart < least || apart == least && other < r) {
+                    nearest = Some((apart, other));
                 }
+            }
+        };
+        // A little more than the distance, for rounding.
+        let ends = [-1.000_001, 1.000_001].map(|d| cell(position.map(|x| f64::from(x) + d * distance)));
+        for corner in 0..8 {
+            let axes = [0, 1, 2].map(|axis| corner >> axis & 1);
+            // Where both ends are one cell it is looked at once.
+            if (0..3).any(|axis| axes[axis] == 1 && ends[0][axis] == ends[1][axis]) {
+                continue;
+            }
+            let key = [0, 1, 2].map(|axis| ends[axes[axis]][axis]);
+            if key == cells[own] {
+                look_at(own);
+            } else if let Ok(slot) = cells.binary_search_by(|c| before(c, &key)) {
+                look_at(slot);
             }
         }
         match nearest {
             Some((_, other)) => representative[item] = other,
-            None => {
-                let slot = cells.partition_point(|c| before(c, &at).is_lt());
-                earlier[item] = std::mem::replace(&mut latest[slot], item as u32);
-            }
+            None => earlier[item] = std::mem::replace(&mut latest[own], item as u32),
         }
     }
     representative
@@ -98,6 +119,12 @@ pub(crate) fn border_twins(
         return twin;
     }
     let place = |point: u32| mesh.positions()[topology.vertex_of_point()[point as usize] as usize];
+    let positions: Vec<[f32; 3]> = border.iter().map(|&point| place(point)).collect();
+    // Mostly there are none, and edges need not be looked at.
+    let all = representatives(&positions, distance, &SPARSE, |_| distance);
+    if all.iter().zip(0..).all(|(&to, item)| to == item) {
+        return twin;
+    }
     let mut looked_at = vec![false; points];
     border.iter().for_each(|&point| looked_at[point as usize] = true);
     let mut shortest = vec![f64::INFINITY; points];
@@ -113,9 +140,8 @@ pub(crate) fn border_twins(
             }
         }
     }
-    let positions: Vec<[f32; 3]> = border.iter().map(|&point| place(point)).collect();
     let reach = |item: usize| SHARE_OF_EDGE * shortest[border[item] as usize];
-    let to = representatives(&positions, distance, reach);
+    let to = representatives(&positions, distance, &SPARSE, reach);
     for (&point, &to) in border.iter().zip(&to) {
         twin[point as usize] = border[to as usize];
     }
@@ -169,7 +195,7 @@ impl Mesh {
         let topology = Topology::new(self);
         let at: Vec<[f32; 3]> =
             topology.vertex_of_point().iter().map(|&v| self.positions[v as usize]).collect();
-        let to = representatives(&at, distance, |_| distance);
+        let to = representatives(&at, distance, &DENSE, |_| distance);
         // Positions that keep their place keep their bits, negative zeros too.
         let place = |(position, &point): (&[f32; 3], &u32)| match to[point as usize] {
             own if own == point => *position,

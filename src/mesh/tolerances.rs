@@ -256,7 +256,8 @@ mod tests {
         let half_a_degree = exact.clone().with_normal(0.5);
         let turned = |degrees: f64| [degrees.to_radians().sin() as f32, degrees.to_radians().cos() as f32];
         let [near, far] = [turned(0.49), turned(0.51)];
-        let cases: [(&str, &[f32], &[f32], &[f32], Tolerances); 6] = [
+        type Case<'a> = (&'a str, &'a [f32], &'a [f32], &'a [f32], Tolerances);
+        let cases: [Case; 6] = [
             (
                 names::NORMAL,
                 &[0.0, 0.0, 1.0],

@@ -35,7 +35,7 @@ use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
 use super::parts::Parts;
 use super::patch::Patch;
-use super::permissive::Permissive;
+use super::permissive::{Permissive, Schedule};
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
@@ -102,6 +102,8 @@ pub(super) struct Plan<'a> {
     pub oracles: &'a mut [Box<dyn Oracle>],
     pub limits: Limits,
     pub settings: &'a Settings,
+    /// When seams and material borders begin to give.
+    pub schedule: Schedule,
 }
 
 pub(super) struct Engine<'a, M> {
@@ -130,6 +132,9 @@ pub(super) struct Engine<'a, M> {
     /// Ranks of steps before anything gave lie below this.
     first_rank: u32,
     permissive: Permissive,
+    schedule: Schedule,
+    /// Triangles at which the next kind of edges gives; 0 where none does by itself.
+    gives_at: usize,
     /// Per step what it gave up, `gives` bits; empty while nothing may give.
     given: Vec<u8>,
     /// Vertices in use at the start.
@@ -153,7 +158,7 @@ pub(super) struct Engine<'a, M> {
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
-        let Plan { oracles, limits, settings } = plan;
+        let Plan { oracles, limits, settings, schedule } = plan;
         let &Settings { placement, order, measure, permissive, join_distance, guard, parts, .. } = settings;
         let (topology, mut surface) = Self::welded(mesh, &settings.tolerances);
         surface.moves_wedges = !placement.keeps_vertices();
@@ -190,6 +195,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             tiled: false,
             first_rank: 0,
             permissive,
+            schedule,
+            gives_at: 0,
             given: Vec::new(),
             best: vec![NO_BEST; points],
             state: vec![0; points],
@@ -221,12 +228,15 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         (topology, surface)
     }
 
+    /// The sequence; or where seams or material borders must give before a target is missed, when to let them, to start
+    /// over.
     pub fn run(
         mut self,
         mesh: &Mesh,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> CollapseSequence {
+    ) -> Result<CollapseSequence, Schedule> {
         let mut batch = 0;
+        self.gives_at = self.next_to_give().map_or(0, |(_, at)| at);
         let mut stop = StopReason::NothingLegal;
         loop {
             if self.is_done() {
@@ -240,11 +250,21 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     self.recorder.finish_batch();
                     break;
                 }
+                None if self.gives_now() => {
+                    // More comes after this batch, which is one with it in linear order.
+                    if self.order == Order::Batched {
+                        self.recorder.finish_batch();
+                    }
+                    self.give();
+                }
                 None if self.order == Order::Linear => {
                     if let Some(reason) = self.run_rest(progress) {
                         stop = reason;
                         self.recorder.finish_batch();
                         break;
+                    }
+                    if let Some(schedule) = self.should_start_over() {
+                        return Err(schedule);
                     }
                     if !self.give() {
                         self.recorder.finish_batch();
@@ -257,6 +277,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                         self.vanishing.is_last = false;
                     } else if !self.vanishing.is_last {
                         self.vanishing.is_last = true;
+                    } else if let Some(schedule) = self.should_start_over() {
+                        return Err(schedule);
                     } else if !self.give() {
                         break;
                     }
@@ -269,29 +291,50 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         } else if stop == StopReason::NothingLegal && self.guards_any() {
             stop = StopReason::Guard;
         }
-        self.finish(mesh, stop)
+        Ok(self.finish(mesh, stop))
     }
 
     fn is_done(&self) -> bool {
         self.limits.reached(self.surface.live_triangles(), self.recorder.live_vertices())
     }
 
-    /// Lets the next kind of edges give, now that no legal collapse is left. Whether there is one that may.
-    fn give(&mut self) -> bool {
+    /// The next kind of edges that may give, and the triangles at which it does by itself.
+    fn next_to_give(&self) -> Option<(u16, usize)> {
         let may = match self.permissive {
             Permissive::Off => false,
             Permissive::Auto => self.limits.is_sized() && self.too_far == 0,
             Permissive::On => true,
         };
-        let kinds = [(kind::SEAM, self.surface.has_seams()), (kind::MATERIAL, self.surface.has_materials())];
-        let next = kinds.into_iter().find(|&(bit, there)| there && self.surface.holds(bit));
-        match next {
-            Some((bit, _)) if may => {
-                self.release(bit);
-                true
-            }
-            _ => false,
+        let Schedule { seams, materials } = self.schedule;
+        let kinds = [
+            (kind::SEAM, self.surface.has_seams(), seams),
+            (kind::MATERIAL, self.surface.has_materials(), materials),
+        ];
+        let next = kinds.into_iter().find(|&(bit, there, _)| there && self.surface.holds(bit));
+        next.filter(|_| may).map(|(bit, _, at)| (bit, at))
+    }
+
+    /// Whether the next kind gives now, whatever else is left to do.
+    #[inline]
+    fn gives_now(&self) -> bool {
+        self.gives_at > 0 && self.surface.live_triangles() <= self.gives_at
+    }
+
+    /// Where nothing legal is left and the next kind was to hold until then: when it should have begun to give.
+    fn should_start_over(&self) -> Option<Schedule> {
+        let (bit, at) = self.next_to_give()?;
+        let early = self.permissive == Permissive::Auto && at == 0;
+        early.then(|| self.schedule.with(bit, self.surface.live_triangles()))
+    }
+
+    /// Lets the next kind of edges give. Whether there is one that may.
+    fn give(&mut self) -> bool {
+        let next = self.next_to_give();
+        if let Some((bit, _)) = next {
+            self.release(bit);
+            self.gives_at = self.next_to_give().map_or(0, |(_, at)| at);
         }
+        next.is_some()
     }
 
     fn release(&mut self, bit: u16) {
@@ -402,6 +445,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     return Some(StopReason::Target);
                 }
                 last_band = Some(self.queue.bands());
+            }
+            if last_band.is_none() && self.gives_now() {
+                return None;
             }
             if self.recorder.steps() >= next_call {
                 next_call += PROGRESS_STEPS;

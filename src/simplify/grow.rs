@@ -276,7 +276,8 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
         level.materials().to_vec(),
         level.material_names().to_vec(),
         level.locks().to_vec(),
-    );
+    )
+    .at_origin_of(&level);
     (grown, growth)
 }
 

@@ -118,8 +118,9 @@ impl NormalsDone {
 
 /// The creases of a mesh that is nothing but creases.
 fn explained(mesh: &Mesh) -> Option<Creases> {
-    // Points with three seams have three vertices, and a surface has about half as many points as triangles.
-    let few = mesh.positions().len() * 2 < mesh.triangles().len();
+    // Points with three seams have three vertices, and a surface has about half as many points as triangles: a fifth of
+    // them takes seven vertices for ten triangles.
+    let few = mesh.positions().len() * 10 < mesh.triangles().len() * 7;
     if few || mesh.attribute(names::TANGENT).is_some() || Creases::hard_share(mesh) <= HARD_SHARE {
         return None;
     }

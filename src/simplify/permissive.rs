@@ -6,6 +6,10 @@
 //!     materials give           a point may leave its material border; triangles keep their materials
 //! ```
 //!
+//! The last legal collapses before nothing is left eat the shape: there is nowhere else to go. So what must give begins to
+//! do so earlier. A run that gets stuck is started over, and in it edges of that kind give from [`EARLY`] times as many
+//! triangles on.
+//!
 //! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials. Borders,
 //! non-manifold edges, topology and the sides of triangles in texture space hold in any case.
 
@@ -21,8 +25,9 @@ use super::wedge_map::WedgeMap;
 pub enum Permissive {
     /// They hold, come what may.
     Off,
-    /// They hold until no legal collapse is left, and give where a size was asked for that is not reached then. Without
-    /// a target of size, down to the base mesh or to an error, they hold.
+    /// They hold where a size that is asked for is reached so. Where it would be missed, they hold down to 2.5 times the
+    /// triangles at which no legal collapse would be left, and give from there: to find that number takes a run of its
+    /// own, for each kind that must give. Without a target of size, down to the base mesh or to an error, they hold.
     #[default]
     Auto,
     /// Seams and creases give from the start, at what it costs; material borders where nothing else is left, whether
@@ -57,6 +62,26 @@ impl GivenUp {
     }
 }
 
+/// How many times the triangles at which nothing legal is left are there when edges begin to give. At 2.5 the levels
+/// before are those of a run in which all hold, and the levels after as close as if edges had given from the start.
+const EARLY: f64 = 2.5;
+
+/// Triangles at which each kind of edges begins to give; 0: when nothing else is left.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Schedule {
+    pub seams: usize,
+    pub materials: usize,
+}
+
+impl Schedule {
+    /// The same with edges of one kind giving early enough for a run that got stuck at so many triangles.
+    pub fn with(mut self, bit: u16, stuck: usize) -> Self {
+        let at = ((stuck as f64 * EARLY) as usize).max(1);
+        *if bit == kind::SEAM { &mut self.seams } else { &mut self.materials } = at;
+        self
+    }
+}
+
 /// What one collapse gives up, as bits.
 pub(super) mod gives {
     pub const SEAM: u8 = 1;
@@ -71,9 +96,13 @@ impl Surface {
         if !stays {
             leaves |= self.leaves_curve(pair.kept, pair.lost);
         }
+        // What still holds was left along another curve of its kind, if at all.
+        let leaves = leaves & !self.held;
         let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
         let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
-        if leaves & kind::SEAM != 0 || several && !WedgeMap::new(self, pair).is_complete() {
+        if leaves & kind::SEAM != 0
+            || !self.holds(kind::SEAM) && several && !WedgeMap::new(self, pair).is_complete()
+        {
             let at_lost = self.seams_at(pair.lost);
             let found = if at_lost == 0 { self.seams_at(pair.kept) } else { at_lost };
             given |= if found == gives::CREASE { gives::CREASE } else { gives::SEAM };

@@ -20,13 +20,21 @@ use super::stars::Stars;
 const MOST_LAYERS: usize = 8;
 
 /// One triangle of a sheet, at the leader's corners.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Layer {
+    /// The lowest triangle that carries this.
+    pub triangle: u32,
     /// The vertices at the leader's corners, in the leader's order.
     pub vertices: [u32; 3],
     pub material: u32,
     /// Whether it is wound the other way than the leader.
     pub opposite: bool,
+}
+
+impl Layer {
+    fn carries_the_same(&self, other: &Self) -> bool {
+        (self.vertices, self.material, self.opposite) == (other.vertices, other.material, other.opposite)
+    }
 }
 
 /// Who lies on whom. Empty where no two triangles coincide.
@@ -66,7 +74,7 @@ impl Sheets {
             let first = ordered.len();
             for &member in group {
                 let layer = layer(group[0], member);
-                if kinds.contains(&layer) {
+                if kinds.iter().any(|known| known.carries_the_same(&layer)) {
                     again.push(member);
                 } else if kinds.len() <= MOST_LAYERS {
                     kinds.push(layer);
@@ -111,7 +119,7 @@ impl Sheets {
         }
         let count = sheets.start[triangles.len()] as usize;
         sheets.followers.resize(count, NONE);
-        sheets.layers.resize(count, Layer { vertices: [NONE; 3], material: 0, opposite: false });
+        sheets.layers.resize(count, Layer::default());
         for &[first, different, last] in &spans {
             let leader = ordered[first];
             sheets.different[leader as usize] = (different - first - 1) as u8;
@@ -175,6 +183,7 @@ fn layer(
     let slots = corners.map(|point| own.iter().position(|&p| p == point).unwrap_or(0));
     let carried = vertices(of);
     Layer {
+        triangle: of,
         vertices: slots.map(|slot| carried[slot]),
         material: material(of),
         opposite: (slots[1] + 3 - slots[0]) % 3 == 2,

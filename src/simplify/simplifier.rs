@@ -11,7 +11,7 @@ use super::options::{
     AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Parts, Progress, Target,
 };
 use super::oracle::{Oracle, default_oracles};
-use super::permissive::Permissive;
+use super::permissive::{Permissive, Schedule};
 use super::placement::Placement;
 use super::sequence::CollapseSequence;
 
@@ -36,7 +36,8 @@ use super::sequence::CollapseSequence;
 ///
 /// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
 /// at most a few units in the last place of the coordinates (2^-22 of the size of the mesh, rounded to a power of two)
-/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Other measures: [`ErrorMeasure`].
+/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Points on borders that nothing but rounding
+/// parts ([`Tolerances::position`]) are one place from the start. Other measures: [`ErrorMeasure`].
 ///
 /// Nothing is claimed between the vertices of the input, nor for the level's surface away from curves. By samples, the
 /// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table).
@@ -248,14 +249,23 @@ impl<M: ErrorMetric> Simplifier<M> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
         let normals = self.settings.normals(mesh)?;
-        let plan = Plan { oracles: &mut self.oracles, limits, settings: &self.settings };
         let bare = normals.bare(mesh);
         let mesh = bare.as_ref().unwrap_or(mesh);
-        let mut sequence = match self.settings.attributes.of(mesh)? {
-            None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
-            Some(attributes) => {
-                let mut metric = WithAttributes::by_default(&mut self.metric, &attributes);
-                Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+        let attributes = self.settings.attributes.of(mesh)?;
+        let mut schedule = Schedule::default();
+        let mut sequence = loop {
+            let settings = &self.settings;
+            let plan = Plan { oracles: &mut self.oracles, limits, settings, schedule };
+            let run = match &attributes {
+                None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
+                Some(attributes) => {
+                    let mut metric = WithAttributes::by_default(&mut self.metric, attributes);
+                    Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
+                }
+            };
+            match run {
+                Ok(sequence) => break sequence,
+                Err(earlier) => schedule = earlier,
             }
         };
         sequence.report.normals = normals;

@@ -45,6 +45,10 @@ pub(super) fn solve_new(
         let Some(values) = source.as_floats() else { continue };
         let width = source.width();
         let mut class = topology.equal_values(source);
+        // What is nearly equal was folded: it tells of the same values.
+        for &[duplicate, kept] in sequence.aliases() {
+            class[duplicate as usize] = class[kept as usize];
+        }
         class.resize(sequence.vertex_count(), 0);
         let solved = Sums::new(mesh, values, width, fitted, class).solve(sequence);
         for (row, &vertex) in vertices.iter().enumerate().filter(|(_, v)| **v >= first) {

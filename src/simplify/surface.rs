@@ -263,7 +263,7 @@ impl Surface {
     #[inline]
     pub(crate) fn layers(&self, triangle: u32) -> impl Iterator<Item = Layer> + Clone + '_ {
         let (vertices, material) = (self.corner_vertices(triangle), self.material(triangle));
-        let own = Layer { vertices, material, opposite: false };
+        let own = Layer { triangle, vertices, material, opposite: false };
         let has_seams = self.has_seams();
         // Without seams the leader's vertices are everybody's.
         let layer = move |&layer: &Layer| if has_seams { layer } else { Layer { vertices, ..layer } };

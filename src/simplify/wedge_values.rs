@@ -8,6 +8,7 @@ use crate::mesh::{Attribute, Mesh, names};
 use super::candidates::blend_weight;
 use super::classify::kind;
 use super::metric::Pair;
+use super::sheets::Layer;
 use super::surface::{Corner, Surface};
 use super::wedge_map::WedgeMap;
 
@@ -212,9 +213,11 @@ impl Surface {
 
     /// Whether the triangles of one wedge of the lost point stay on their sides with another vertex in its place.
     pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
-        let own = |corner: &Corner| self.corner_vertices(corner.triangle)[corner.slot as usize] == from;
-        let mut corners = self.star(pair.lost).filter(own).filter(|c| !c.others.contains(&pair.kept));
-        corners.all(|corner| self.keeps_side(corner, |set, _| self.values.uv(set, to)))
+        self.star(pair.lost).filter(|corner| !corner.others.contains(&pair.kept)).all(|corner| {
+            let mut own =
+                self.layers(corner.triangle).filter(|layer| layer.vertices[corner.slot as usize] == from);
+            own.all(|layer| self.layer_keeps_side(corner.slot, layer, |set, _| self.values.uv(set, to)))
+        })
     }
 
     /// Whether every triangle around a point, but for those with `other`, stays on its side when the coordinates of the
@@ -225,15 +228,21 @@ impl Surface {
     }
 
     fn keeps_side(&self, corner: Corner, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
-        let (values, vertices) = (&self.values, self.corner_vertices(corner.triangle));
+        self.layers(corner.triangle).all(|layer| self.layer_keeps_side(corner.slot, layer, &to))
+    }
+
+    fn layer_keeps_side(&self, slot: u8, layer: Layer, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
+        let (values, vertices) = (&self.values, layer.vertices);
         (0..values.sets).all(|set| {
-            let input = values.sides[corner.triangle as usize * values.sets + set];
+            let input = values.sides[layer.triangle as usize * values.sets + set];
             if input == 0 {
                 return true;
             }
+            // Its vertices come in the leader's order.
+            let input = if layer.opposite { -input } else { input };
             let before = vertices.map(|v| values.uv(set, v));
             let mut after = before;
-            after[corner.slot as usize] = to(set, vertices[corner.slot as usize]);
+            after[slot as usize] = to(set, vertices[slot as usize]);
             let now = side(after);
             // One that has lost its side already may stay without, but not go over to the other.
             now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0

@@ -1,7 +1,9 @@
 //! A totally ordered mesh together with its vertices: all levels of detail of a mesh in one value, as baked to a file.
 //!
 //! Positions, attributes and locks lie in the total order, triangles and materials in the structure alone, so nothing
-//! is stored twice. Duplicates and vertices that no triangle uses are left out.
+//! is stored twice. Duplicates and vertices that no triangle uses are left out. So the full
+//! resolution is the input up to the tolerances of the simplification: a vertex is drawn in place of those folded into it,
+//! and where it was snapped to.
 
 use crate::mesh::{Mesh, NONE};
 use crate::simplify::CollapseSequence;
