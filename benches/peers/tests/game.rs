@@ -37,6 +37,7 @@ fn the_table_is_complete() {
         "meshopt-uv",
         "meshopt-update",
         "default",
+        "permissive",
         "optimal",
         "lindstrom-turk",
     ] {
@@ -59,6 +60,12 @@ fn the_table_is_complete() {
             assert!(mean["ratios"]["image"].as_f64().unwrap() > 0.1, "{mean}");
         }
     }
+    // The least share of those asked for, by anyone.
+    let least = &result["least"][0];
+    assert_eq!(least["model"], "game-sphere");
+    let shares = rows.iter().map(|row| row["share"].as_f64().unwrap()).fold(100.0, f64::min);
+    let found = least["meshopt"].as_f64().unwrap().min(least["ours"].as_f64().unwrap());
+    assert_eq!(found, shares);
     // A setting of the other simplifier is never better than the best of its settings.
     let peer =
         |mean: &&Value| mean["contender"].as_str().unwrap().starts_with("meshopt") && mean["models"] == 1;
@@ -71,7 +78,7 @@ fn the_table_is_complete() {
 fn a_level_that_is_the_model_has_no_difference() {
     let path = save("game-whole.ply", &shapes::uv_sphere(24, 16));
     // Contenders that collapse nothing and solve nothing anew.
-    let names = "meshopt,meshopt-gltfpack,meshopt-uv,default,optimal,lindstrom-turk";
+    let names = "meshopt,meshopt-gltfpack,meshopt-uv,default,permissive,optimal,lindstrom-turk";
     for row in game(&path, &["--percent", "100", "--only", names])["rows"].as_array().unwrap() {
         for key in ["mean", "max", "normals", "facets", "slide", "image"] {
             assert!(row[key].as_f64().unwrap() < 1e-4, "{key}: {row}");
