@@ -56,7 +56,7 @@ impl<'a> Input<'a> {
             _ => unreachable!(),
         };
         let to = sequence.representatives(steps);
-        let ends = |edge: &[u32; 2]| edge.map(|v| position(v));
+        let ends = |edge: &[u32; 2]| edge.map(&position);
         let input: Vec<Segment> = self.curves.iter().map(ends).collect();
         let mut image: Vec<Segment> =
             self.curves.iter().map(|edge| edge.map(|v| position(to[v as usize]))).collect();

@@ -157,7 +157,7 @@ pub fn stepped_shaft(steps: u32, sides: u32, seed: u32) -> Mesh {
     }
     let cap = circle([0.0; 2], 1.0, sides);
     let (bottom, top) = (rings[0].clone(), rings[rings.len() - 1].clone());
-    mesh.fill(&[cap.clone()], &bottom, true);
+    mesh.fill(std::slice::from_ref(&cap), &bottom, true);
     mesh.fill(&[cap], &top, false);
     mesh.finish()
 }
