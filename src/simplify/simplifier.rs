@@ -83,18 +83,17 @@ impl Settings {
         Ok(())
     }
 
-    /// What is to be done with the normals of a mesh: where they are to steer collapses they are not recomputed unless
-    /// asked for.
-    fn normals(&self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
-        match &self.attributes {
-            AttributeWeights::Chosen(list)
-                if self.normals == Normals::Automatic
-                    && list.iter().any(|(name, _)| name == names::NORMAL) =>
-            {
-                Ok(NormalsDone::Kept)
-            }
-            _ => self.normals.resolve(mesh),
+    /// What is to be done with the normals of a mesh: where they are to steer collapses, or all levels are made, they are not
+    /// recomputed unless asked for.
+    fn normals(&self, mesh: &Mesh, all_levels: bool) -> Result<NormalsDone, OptionError> {
+        let steer = match &self.attributes {
+            AttributeWeights::Chosen(list) => list.iter().any(|(name, _)| name == names::NORMAL),
+            _ => false,
+        };
+        if self.normals == Normals::Automatic && (steer || all_levels) {
+            return Ok(NormalsDone::Kept);
         }
+        self.normals.resolve(mesh)
     }
 }
 
@@ -249,7 +248,7 @@ impl<M: ErrorMetric> Simplifier<M> {
     ) -> Result<CollapseSequence, OptionError> {
         let limits = Limits::new(&self.targets, mesh.triangles().len())?;
         self.settings.check()?;
-        let normals = self.settings.normals(mesh)?;
+        let normals = self.settings.normals(mesh, self.targets.is_empty())?;
         let bare = normals.bare(mesh);
         let mesh = bare.as_ref().unwrap_or(mesh);
         let attributes = self.settings.attributes.of(mesh)?;
