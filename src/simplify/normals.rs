@@ -21,7 +21,8 @@ const EXPLAINED_SHARE: f64 = 0.99;
 pub enum Normals {
     /// As [`Normals::Recompute`] where hard edges are everywhere and would hold the mesh: where normals alone make three or
     /// more seams meet at over a fifth of the points, and a crease angle explains the normals of 99 % of the corners to
-    /// within five degrees. As [`Normals::Keep`] everywhere else, and where there are tangents.
+    /// within five degrees. As [`Normals::Keep`] everywhere else, where there are tangents, and where no target
+    /// is asked for: all levels down to the base mesh are what structures are built from, whose vertices are fixed.
     #[default]
     Automatic,
     /// They are carried along, and edges across which they change are seams.
