@@ -61,7 +61,6 @@ fn what_is_advised_helps() {
     follow("kept parts", &shapes::gravel(50, 1), "--triangles 20 --keep-parts", 1);
     follow("seams", &shapes::box_with_face_normals(4), "--triangles 8 --max-turn 40", 0);
     follow("turns", &shapes::rock(600, 1), "--triangles 20 --max-turn 5", 1);
-    follow("quality", &shapes::rock(600, 1), "--triangles 20 --min-quality 0.8", 1);
     follow("shell", &shapes::shell(1, 0.97), "--triangles 1 --keep-parts --keep-apart", 0);
 }
 

@@ -77,7 +77,11 @@ fn edges_of_colour_mirrors_and_stripes_stay() {
             };
             let on = run(Simplifier::new());
             let blind = run(Simplifier::new().attributes(AttributeWeights::Off));
-            assert!(on < 0.5 * blind, "{name}: {on} with, {blind} without, {placement:?}");
+            // Mirrored coordinates are exact either way where no triangle may turn over: rounding then tells nothing.
+            assert!(
+                on < 0.5 * blind || on.max(blind) < 1e-9,
+                "{name}: {on} with, {blind} without, {placement:?}"
+            );
         }
     }
 }

@@ -207,7 +207,8 @@ fn rules_can_be_changed() {
     let rock = shapes::rock(2000, 1);
     let least = simplify(&rock, "").triangles().len();
     assert!(simplify(&rock, "--max-turn 5").triangles().len() > least);
-    assert!(simplify(&rock, "--min-quality 0.8").triangles().len() > least);
+    // Needles wait, they stop nothing.
+    assert!(simplify(&rock, "--min-quality 0.8").triangles().len() <= least);
 
     let flat = shapes::box_with_face_normals(6);
     let dropped = simplify(&flat, "--drop normal");

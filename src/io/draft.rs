@@ -80,7 +80,8 @@ impl Draft {
         let lost = self.used().map(rounding).fold(0.0, f64::max);
         // What overflows is refused as it stands.
         let far = lost > MOST_LOST * diagonal && lost.is_finite() && diagonal > 0.0;
-        if !far {
+        // Numbers that were single precision when they were written lose nothing.
+        if !far || self.used().flatten().all(|&x| is_single(x)) {
             return [0.0; 3];
         }
         let unit = diagonal.log2().ceil().exp2();
@@ -93,6 +94,12 @@ impl Draft {
         ));
         origin
     }
+}
+
+/// Whether a number is one of single precision, as it is or as its shortest text says it.
+fn is_single(x: f64) -> bool {
+    let single = x as f32;
+    f64::from(single) == x || single.to_string().parse() == Ok(x)
 }
 
 /// One vertex per point, in order of first appearance.

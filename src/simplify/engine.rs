@@ -724,7 +724,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     /// The largest error that the guard allows after the collapse whose patch is in `self.patch`, inner units.
     fn guard_limit(&self) -> f32 {
-        self.watch.limit(self.surface.live_triangles() - self.patch.thirds().len())
+        self.watch.limit(self.surface.live_sheets() - self.patch.thirds().len())
     }
 
     /// Whether a collapse may bring the error beyond a limit: what lay on a patch is afterwards farther from it by no

@@ -139,6 +139,11 @@ impl Sheets {
         self.start.is_empty()
     }
 
+    /// How many triangles follow another.
+    pub fn count(&self) -> usize {
+        self.followers.len()
+    }
+
     /// The triangles that die with a triangle; none for one that follows another.
     #[inline]
     pub fn followers(&self, leader: u32) -> &[u32] {

@@ -104,6 +104,8 @@ pub struct Surface {
     curves: Curves,
     sheets: Sheets,
     live: usize,
+    /// Those of the live triangles that follow another.
+    followers: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
 }
@@ -164,6 +166,7 @@ impl Surface {
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
             curves: Curves::default(),
+            followers: sheets.count(),
             sheets,
             live,
             scratch: Scratch::default(),
@@ -197,6 +200,11 @@ impl Surface {
     /// Triangles still alive, those that follow another included.
     pub fn live_triangles(&self) -> usize {
         self.live
+    }
+
+    /// Live triangles, those over the same three points counted once.
+    pub(crate) fn live_sheets(&self) -> usize {
+        self.live - self.followers
     }
 
     /// Points that a live triangle uses.
@@ -488,11 +496,13 @@ impl Surface {
     }
 
     /// Adds to dead triangles those that die with them.
-    fn add_followers(&self, dead: &mut Vec<u32>) {
+    fn add_followers(&mut self, dead: &mut Vec<u32>) {
         if self.has_sheets() {
-            for leader in 0..dead.len() {
+            let leaders = dead.len();
+            for leader in 0..leaders {
                 dead.extend_from_slice(self.sheets.followers(dead[leader]));
             }
+            self.followers -= dead.len() - leaders;
         }
     }
 

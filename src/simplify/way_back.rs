@@ -18,6 +18,19 @@ use super::surface::Surface;
 
 /// Points with more triangles are not looked around.
 const HUB: u32 = 64;
+/// Where on a new triangle is looked, as shares of its sides from the merged point: along both sides and inside.
+const LOOKS: [[f32; 2]; 10] = [
+    [0.25, 0.0],
+    [0.5, 0.0],
+    [0.75, 0.0],
+    [0.0, 0.25],
+    [0.0, 0.5],
+    [0.0, 0.75],
+    [1.0 / 3.0, 1.0 / 3.0],
+    [1.0 / 6.0, 1.0 / 6.0],
+    [2.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 2.0 / 3.0],
+];
 /// Most new triangles that are looked at: with more, a hub moves.
 const MOST_FACETS: usize = 64;
 
@@ -61,7 +74,8 @@ impl WayBack {
         let mut worst = known;
         for facet in patch.facets().iter().take(MOST_FACETS) {
             let [a, b] = facet.others;
-            for (offset, end) in [(0.5 * facet.a, a), (0.5 * facet.b, b), ((facet.a + facet.b) / 3.0, a)] {
+            for ([along_a, along_b], end) in LOOKS.map(|look| (look, if look[0] < look[1] { b } else { a })) {
+                let offset = along_a * facet.a + along_b * facet.b;
                 let mut search =
                     Search { back: self, at: x + offset, best: f32::INFINITY, triangle: 0, enough: worst };
                 for point in [pair.kept, end, pair.lost, a, b] {

@@ -123,9 +123,16 @@ pub fn curves(mesh: &Mesh, cosine: f64) -> Vec<[u32; 2]> {
         forward: bool,
     }
     let mut edges: BTreeMap<[u32; 2], Vec<Side>> = BTreeMap::new();
+    // Triangles over the same three points are one sheet.
+    let mut sheets = std::collections::BTreeSet::new();
     for (t, triangle) in mesh.triangles().iter().enumerate() {
         let points = triangle.map(|v| point_of[v as usize]);
         if points[0] == points[1] || points[1] == points[2] || points[2] == points[0] {
+            continue;
+        }
+        let mut sheet = points;
+        sheet.sort_unstable();
+        if !sheets.insert(sheet) {
             continue;
         }
         let [a, b, c] = triangle.map(|v| point(mesh.positions()[v as usize]));

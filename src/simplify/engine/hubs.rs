@@ -153,7 +153,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if is_time {
             self.hubs.pending = pending;
         }
-        if self.watch.has_grown(self.surface.live_triangles()) {
+        if self.watch.has_grown(self.surface.live_sheets()) {
             any |= self.queue_parts();
             for point in 0..self.state.len() as u32 {
                 if self.state[point as usize] & state::GUARDED != 0 {

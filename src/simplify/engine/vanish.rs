@@ -171,7 +171,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.let_stay(part, parts, &scratch.points);
             return false;
         }
-        let guard = self.watch.limit(self.surface.live_triangles() - parts.live(part) as usize);
+        // What is there before the part goes explains its error: a large one may not go at once.
+        let guard = self.watch.limit(self.surface.live_sheets());
         if error.surface > guard {
             // It waits until there are fewer triangles.
             self.watch.refuse(guard);
