@@ -10,7 +10,7 @@ mod apart;
 use std::path::{Path, PathBuf};
 
 use apart::Input;
-use multires::simplify::Simplifier;
+use multires::simplify::{Parts, Simplifier};
 use multires::{io, mesh::Mesh};
 
 fn model(file: &str) -> Option<Mesh> {
@@ -25,9 +25,8 @@ fn model(file: &str) -> Option<Mesh> {
 }
 
 /// Game models and small cases of made things.
-const FILES: [&str; 13] = [
+const FILES: [&str; 12] = [
     "game/Fox.glb",
-    "game/pigman/scene.gltf",
     "game/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf",
     "real/beetle.obj",
     "real/fandisk.obj",
@@ -47,9 +46,12 @@ fn levels_of_models_lie_as_far_away_as_is_said() {
     let mut far = Vec::new();
     for file in FILES {
         let Some(mesh) = model(file) else { continue };
+        // Cracks of rounding are closed by the simplifier, and no curves to it.
+        let mesh = mesh.welded(1e-6 * mesh.diagonal());
         // Creases are the simplifier's to choose where a mesh is no drawing.
         let input = Input::new(&mesh, -2.0);
-        let sequence = Simplifier::new().run(&mesh).unwrap();
+        // Curves of a part that vanishes are held against the surface that is left, not against its curves.
+        let sequence = Simplifier::new().parts(Parts::Keep).run(&mesh).unwrap();
         for percent in [70, 50, 35, 25, 18, 12, 8, 5] {
             let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
             let apart = input.apart(&sequence, steps);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use multires::adapt::LevelOfDetail;
 use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
-use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, shapes};
+use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, names, shapes};
 use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
 use multires::view::{Motion, View, look_at};
 use proptest::prelude::*;
@@ -42,6 +42,13 @@ fn content(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
     let mut content: Vec<_> = triangles.collect();
     content.sort_unstable();
     content
+}
+
+fn without_uv(mesh: &Mesh) -> Mesh {
+    let bare =
+        Mesh::new(mesh.positions(), mesh.triangles()).unwrap().with_materials(mesh.materials()).unwrap();
+    let others = mesh.attributes().iter().filter(|attribute| attribute.name() != names::UV);
+    others.fold(bare, |mesh, attribute| mesh.with_attribute(attribute.clone()).unwrap())
 }
 
 /// Without triangles of two equal corners, which are not drawn.
@@ -128,7 +135,13 @@ fn a_model_keeps_all_it_has() {
         let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
         let bundle = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
         let [mut lod, _] = instances(&bundle);
-        assert!(content(&bundle.mesh_at(&lod)) == content(&sequence.extract(&mesh, sequence.len())));
+        // A level as a mesh of its own gives up fitted texture coordinates where they would mirror one of its triangles.
+        let level = sequence.extract(&mesh, sequence.len());
+        let seen = bundle.mesh_at(&lod);
+        match placement {
+            Placement::Endpoint => assert!(content(&seen) == content(&level)),
+            _ => assert!(content(&without_uv(&seen)) == content(&without_uv(&level))),
+        }
         assert_eq!(bundle.mesh_at(&lod).material_names(), mesh.material_names());
         lod.adapt_by(&Random::new(bundle.hierarchy(), 1, 100), Motion::Other);
         let finest = bundle.mesh_at(&lod);

@@ -104,7 +104,6 @@ fn doubles(name: &str, shape: impl Fn(u32) -> Mesh) {
 fn fans() {
     doubles("hub", shapes::hub);
     doubles("disc", disc);
-    doubles("disc of slivers", sliver_disc);
 }
 
 #[test]

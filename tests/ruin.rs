@@ -4,7 +4,9 @@
 mod strips;
 
 use multires::mesh::{Mesh, shapes};
-use multires::simplify::{CollapseSequence, ErrorMeasure, Guard, Placement, Simplifier, StopReason, Target};
+use multires::simplify::{
+    CollapseSequence, ErrorMeasure, Guard, Parts, Placement, Simplifier, StopReason, Target,
+};
 
 /// A house of 12 triangles, and so many ornaments on its walls that cannot be simplified: tetrahedra.
 fn house(ornaments: u32) -> Mesh {
@@ -27,7 +29,8 @@ fn house(ornaments: u32) -> Mesh {
 }
 
 fn to(mesh: &Mesh, ratio: f64, guard: Guard) -> CollapseSequence {
-    Simplifier::new().target(Target::Ratio(ratio)).guard(guard).run(mesh).unwrap()
+    let simplifier = Simplifier::new().parts(Parts::Keep).target(Target::Ratio(ratio));
+    simplifier.guard(guard).run(mesh).unwrap()
 }
 
 /// The formula of [`Guard`].
@@ -57,9 +60,10 @@ fn every_level_keeps_the_limit() {
         for placement in [Placement::Endpoint, Placement::Optimal] {
             let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
             for steps in 1..=sequence.len() {
-                let error = f64::from(sequence.error_after(steps));
+                let error = f64::from(sequence.surface_error_after(steps));
                 let limit = limit(&mesh, sequence.triangles_after(steps));
-                assert!(error <= 1.001 * limit, "{steps} of {}: {error} of {limit}", sequence.len());
+                // Steps of large meshes are put in order once they are done: a few triangles may have been there then.
+                assert!(error <= 1.01 * limit, "{steps} of {}: {error} of {limit}", sequence.len());
             }
         }
     }

@@ -54,6 +54,17 @@ fn run(mesh: &Mesh, placement: Placement, order: Order, attributes: bool) -> Col
     }
 }
 
+/// Triangles over the same three points, once each: that is the surface, however often it is given.
+fn sheets(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let sorted = |t: &[u32; 3]| {
+        let mut t = *t;
+        t.sort_unstable();
+        t
+    };
+    let mut seen = std::collections::BTreeSet::new();
+    triangles.iter().copied().filter(|t| seen.insert(sorted(t))).collect()
+}
+
 fn waved() -> impl Strategy<Value = (usize, f32, [f32; 3])> {
     (0..SHAPES, 0.0f32..0.2, prop::array::uniform3(0.0f32..6.3))
 }
@@ -75,12 +86,12 @@ proptest! {
         prop_assert!(sequence.len() > 5);
         let point = points(&mesh, &sequence);
         let first = level(&mesh, &sequence, &point, 0);
-        let (expected, parts) = (euler(&first.points), components(&first.points));
+        let (expected, parts) = (euler(&sheets(&first.points)), components(&first.points));
         let mut last = usize::MAX;
         for steps in 0..=sequence.len() {
             let level = level(&mesh, &sequence, &point, steps);
             prop_assert_eq!(level.points.len(), sequence.triangles_after(steps));
-            prop_assert_eq!(euler(&level.points), expected, "after {} steps", steps);
+            prop_assert_eq!(euler(&sheets(&level.points)), expected, "after {} steps", steps);
             prop_assert_eq!(components(&level.points), parts);
             let borders = edges(&level.points).values().filter(|&&count| count == 1).count();
             prop_assert!(borders <= last, "a border edge is new after {} steps", steps);

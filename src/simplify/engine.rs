@@ -275,7 +275,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     // Of metrics whose costs parts do not compare with, parts go when nothing else does.
                     if self.recorder.finish_batch() {
                         self.vanishing.is_last = false;
-                    } else if !self.vanishing.is_last {
+                    } else if !self.vanishing.is_last && self.parts.is_some() {
                         self.vanishing.is_last = true;
                     } else if let Some(schedule) = self.should_start_over() {
                         return Err(schedule);
@@ -680,6 +680,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 *count += 1;
                 surcharge *= oracle.surcharge()?.max(1.0);
             }
+        }
+        if is_joined && self.takes_all(pair) {
+            return None;
         }
         if self.makes_rag(pair) {
             self.vanishing.rags += 1;

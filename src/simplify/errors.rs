@@ -12,8 +12,8 @@ use super::way_back::WayBack;
 use super::witness::Witnesses;
 
 /// Deviations up to this are rounding and count as none, inner units: a few units in the last place of the coordinates,
-/// at most 5e-7 of the diagonal.
-const ROUNDING: f32 = 1.0 / 4_194_304.0;
+/// at most 1e-6 of the diagonal.
+const ROUNDING: f32 = 1.0 / 2_097_152.0;
 
 /// How far a step takes the level from the input, inner units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

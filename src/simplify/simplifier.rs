@@ -35,7 +35,7 @@ use super::sequence::CollapseSequence;
 ///   surface tells nothing. A curve that shrinks to a point counts with its distance from there.
 ///
 /// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
-/// at most a few units in the last place of the coordinates (2^-22 of the size of the mesh, rounded to a power of two)
+/// at most a few units in the last place of the coordinates (2^-21 of the size of the mesh, rounded to a power of two)
 /// counts as 0: an error of 0 takes away what is redundant, and nothing else. Points on borders that nothing but rounding
 /// parts ([`Tolerances::position`]) are one place from the start. Other measures: [`ErrorMeasure`].
 ///

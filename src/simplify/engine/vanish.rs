@@ -309,6 +309,15 @@ impl<M: ErrorMetric> Engine<'_, M> {
         parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
     }
 
+    /// Whether a collapse whose patch is in `self.patch` would leave nothing of its part.
+    pub(super) fn takes_all(&self, pair: Pair) -> bool {
+        let Some(parts) = self.parts.as_deref() else { return false };
+        let mut dead = 0;
+        self.surface
+            .for_shared_triangles(pair.lost, pair.kept, |t| dead += 1 + self.surface.followers(t).len());
+        dead > 0 && dead == parts.live(parts.of(pair.kept)) as usize
+    }
+
     /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
     pub(super) fn makes_rag(&self, pair: Pair) -> bool {
         let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
