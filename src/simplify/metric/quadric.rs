@@ -233,8 +233,8 @@ fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
 
 /// Weight of the fourth power of the way. Where a surface is flat all planes cost 0, and the choice would be left to
 /// numbers: then the shortest edges go first, which spreads collapses evenly. An edge as long as the mesh's box weighs as
-/// much as a distance of a millionth of it over the whole.
-const LENGTH_WEIGHT: f32 = 1e-12;
+/// much as a distance of a hundred-thousandth of it over the whole.
+const LENGTH_WEIGHT: f32 = 1e-10;
 
 /// Weight of the plane upright on a border, feature edge or crease, per squared length.
 const EDGE_WEIGHT: f32 = 4.0;
