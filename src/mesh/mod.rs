@@ -41,6 +41,8 @@ pub use topology::Topology;
 
 pub(crate) use blend::Blender;
 
+use glam::Vec3A;
+
 use crate::error::MeshError;
 
 /// Most vertices, and most triangles, that a [`Mesh`] holds: 2^30, so that three corners a triangle and one flag
@@ -250,17 +252,10 @@ impl Mesh {
 
     /// Smallest and largest corner of the box around all vertices that a triangle uses; `None` without triangles.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
-        let mut used = self.indices().iter().map(|&v| self.positions[v as usize]);
+        let mut used = self.indices().iter().map(|&v| Vec3A::from(self.positions[v as usize]));
         let first = used.next()?;
-        let (mut low, mut high) = (first, first);
-        for p in used {
-            // Positions are finite: plain comparisons, without min's and max's care for NaN.
-            for axis in 0..3 {
-                low[axis] = if p[axis] < low[axis] { p[axis] } else { low[axis] };
-                high[axis] = if p[axis] > high[axis] { p[axis] } else { high[axis] };
-            }
-        }
-        Some([low, high])
+        let (low, high) = used.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        Some([low.into(), high.into()])
     }
 
     /// Length of the diagonal of [`Mesh::bounds`] in object units; 0 without triangles. In double precision, so that

@@ -219,13 +219,20 @@ impl Bends<'_> {
         })
     }
 
-    /// Calls `visit` with every neighbour of a point across an edge of two triangles with areas, and the cosine of the
-    /// angle between them.
-    fn for_each(&self, point: u32, around: &mut Vec<(u32, u32, bool)>, mut visit: impl FnMut(u32, f32)) {
+    /// Calls `visit` with every neighbour of a point, of those that count, across an edge of two triangles with areas, and
+    /// the cosine of the angle between them.
+    fn for_each(
+        &self,
+        point: u32,
+        around: &mut Vec<(u32, u32, bool)>,
+        counts: impl Fn(u32) -> bool,
+        mut visit: impl FnMut(u32, f32),
+    ) {
         around.clear();
         for corner in self.surface.star(point) {
             let [a, b] = corner.others;
-            around.extend([(a, corner.triangle, true), (b, corner.triangle, false)]);
+            around.extend(counts(a).then_some((a, corner.triangle, true)));
+            around.extend(counts(b).then_some((b, corner.triangle, false)));
         }
         around.sort_unstable();
         for edge in around.chunk_by(|a, b| a.0 == b.0) {
@@ -252,16 +259,16 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
     let mut around = Vec::new();
     let mut found: Vec<[u32; 2]> = Vec::new();
     let mut bending: Vec<(f32, f32)> = Vec::new();
-    for point in 0..surface.point_count() as u32 {
-        if bends.is_smooth(point) {
-            continue;
-        }
+    // A crease has neither end in smooth surroundings.
+    let rough: Vec<bool> = (0..surface.point_count() as u32).map(|point| !bends.is_smooth(point)).collect();
+    for point in (0..surface.point_count() as u32).filter(|&point| rough[point as usize]) {
+        let counts = |other: u32| other > point && rough[other as usize];
         let is_feature = surface.kind(point) & kind::FEATURE != 0;
-        bends.for_each(point, &mut around, |other, cosine| {
+        bends.for_each(point, &mut around, counts, |other, cosine| {
             let ordinary = !is_feature
                 || surface.kind(other) & kind::FEATURE == 0
                 || !surface.is_feature_edge(point, other);
-            if cosine < CREASE && other > point && ordinary {
+            if cosine < CREASE && ordinary {
                 found.push([point, other]);
             }
         });
@@ -297,14 +304,19 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
             counts[root(&mut piece, point) as usize] += HELD;
         }
         let sum = &mut bending[root(&mut piece, point) as usize];
-        bends.for_each(point, &mut around, |other, cosine| {
-            let bend = 1.0 - cosine.min(1.0);
-            sum.1 += bend;
-            let edge = [point.min(other), point.max(other)];
-            if cosine < CREASE && found.binary_search(&edge).is_ok() {
-                sum.0 += bend;
-            }
-        });
+        bends.for_each(
+            point,
+            &mut around,
+            |_| true,
+            |other, cosine| {
+                let bend = 1.0 - cosine.min(1.0);
+                sum.1 += bend;
+                let edge = [point.min(other), point.max(other)];
+                if cosine < CREASE && found.binary_search(&edge).is_ok() {
+                    sum.0 += bend;
+                }
+            },
+        );
     }
     let least = LEAST_CREASES.min(surface.live_points().isqrt() as u64);
     found.retain(|&[u, _]| {

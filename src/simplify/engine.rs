@@ -55,6 +55,10 @@ const VERIFIED_WEIGHT: f32 = 4.0;
 /// Costs within this factor of the estimate are taken for it.
 const VERIFIED_SLACK: f32 = 1.2;
 
+/// How many times dearer the candidate that a point waits for must be than one that was refused, for the point to look
+/// again after a change next to it. On flat faces with straight edges the ratio is beyond all bounds, on scans small.
+const LEAP: f32 = 1024.0;
+
 /// A cost below all that arise from rounding.
 const LEAST_COST: f32 = 1e-30;
 
@@ -219,6 +223,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let topology = Topology::with(mesh, tolerances);
         let surface = Surface::new(mesh, &topology);
         let is_open = |point: u32| surface.is_border(point) && !surface.is_locked(point);
+        if !(0..surface.point_count() as u32).any(is_open) {
+            return (topology, surface);
+        }
         let twin = border_twins(mesh, &topology, is_open, rounding(mesh, tolerances.position));
         if twin.iter().zip(0..).all(|(&to, point)| to == point) {
             return (topology, surface);
@@ -590,6 +597,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let first = self.best[point as usize];
         let mut later = NO_BEST;
         let mut asleep = false;
+        let mut least_refused = f32::INFINITY;
         match self.attempt(point, first) {
             Attempt::Done => return true,
             Attempt::Later(cost) => {
@@ -600,7 +608,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 later = Best { cost, other: first.other };
                 asleep = true;
             }
-            Attempt::Refused => {}
+            Attempt::Refused => least_refused = first.cost,
         }
         if !self.may_look_around(point) {
             self.postpone(point, later, asleep);
@@ -627,12 +635,18 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     }
                     Attempt::Later(cost) => (cost, false),
                     Attempt::Dear(cost) => (cost, true),
-                    Attempt::Refused => continue,
+                    Attempt::Refused => {
+                        least_refused = least_refused.min(cost);
+                        continue;
+                    }
                 }
             } else {
                 match self.legal(point, other) {
                     Some(Legal { surcharge, .. }) => (dearer(cost, surcharge), surcharge > 1.0),
-                    None => continue,
+                    None => {
+                        least_refused = least_refused.min(cost);
+                        continue;
+                    }
                 }
             };
             if cost < later.cost {
@@ -645,6 +659,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
         self.options = options;
         if !done {
+            // What costs nothing may become legal at any change, and then it should not wait until something dear is due.
+            asleep |= least_refused * LEAP < later.cost;
             self.postpone(point, later, asleep);
         }
         done

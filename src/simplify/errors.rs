@@ -145,7 +145,9 @@ impl Watch {
         x: Vec3,
         [apart, curve]: [f32; 2],
     ) -> Deviation {
-        if !(surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) || surface.is_small()) {
+        // Nothing is covered anew around a point inside, nor where all that was there lies on what comes.
+        let covers = self.curves.concerns(surface, pair, x) || surface.is_small();
+        if !covers || apart.max(curve) <= ROUNDING {
             return Deviation::new(apart, curve);
         }
         let known = (apart * apart).max(curve * curve).max(self.surface.largest()).max(ROUNDING * ROUNDING);

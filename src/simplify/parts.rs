@@ -399,10 +399,12 @@ fn components(surface: &Surface) -> Option<(Vec<u32>, usize)> {
     let mut parts = surface.live_points();
     for triangle in 0..surface.triangle_count() as u32 {
         let Some([a, b, c]) = surface.triangle(triangle) else { continue };
+        let mut x = find(&mut parent, a);
         for other in [b, c] {
-            let (x, y) = (find(&mut parent, a), find(&mut parent, other));
+            let y = find(&mut parent, other);
             if x != y {
                 parent[x.max(y) as usize] = x.min(y);
+                x = x.min(y);
                 parts -= 1;
             }
         }

@@ -52,10 +52,13 @@ impl Recorder {
         let mut triangle_end = vec![0; mesh.triangles().len()];
         for t in 0..surface.triangle_count() as u32 {
             if surface.triangle(t).is_some() {
-                let vertices = surface.layers(t).flat_map(|layer| layer.vertices);
-                vertices.for_each(|v| used[v as usize] = true);
+                surface.corner_vertices(t).iter().for_each(|&v| used[v as usize] = true);
                 triangle_end[t as usize] = NONE;
-                surface.followers(t).iter().for_each(|&t| triangle_end[t as usize] = NONE);
+                let followers = surface.followers(t);
+                if !followers.is_empty() {
+                    followers.iter().for_each(|&follower| triangle_end[follower as usize] = NONE);
+                    surface.layers(t).flat_map(|layer| layer.vertices).for_each(|v| used[v as usize] = true);
+                }
             }
         }
         let (spans, wedges) =

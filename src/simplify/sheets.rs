@@ -19,6 +19,9 @@ use super::stars::Stars;
 /// Most different triangles of a sheet. Triangles over the same points that differ in more ways are left apart.
 const MOST_LAYERS: usize = 8;
 
+/// Up to so many triangles are compared one by one.
+const FEW: usize = 6;
+
 /// One triangle of a sheet, at the leader's corners.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Layer {
@@ -215,6 +218,11 @@ impl Groups {
                     let highest = a.max(b).max(c);
                     around.push(([highest, a ^ b ^ c ^ lowest ^ highest], entry >> 2));
                 }
+            }
+            let twice =
+                |(i, entry): (usize, &([u32; 2], u32))| around[..i].iter().any(|one| one.0 == entry.0);
+            if around.len() <= FEW && !around.iter().enumerate().any(twice) {
+                continue;
             }
             around.sort_unstable();
             for run in around.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {

@@ -12,6 +12,8 @@
 
 use glam::Vec3;
 
+use crate::mesh::NONE;
+
 use super::metric::Pair;
 use super::patch::Patch;
 use super::surface::Surface;
@@ -72,12 +74,17 @@ impl WayBack {
         mut on: impl FnMut(u32, &mut dyn FnMut(u32)),
     ) -> f32 {
         let mut worst = known;
+        let mut nearest = NONE;
         for facet in patch.facets().iter().take(MOST_FACETS) {
             let [a, b] = facet.others;
             for ([along_a, along_b], end) in LOOKS.map(|look| (look, if look[0] < look[1] { b } else { a })) {
                 let offset = along_a * facet.a + along_b * facet.b;
                 let mut search =
                     Search { back: self, at: x + offset, best: f32::INFINITY, triangle: 0, enough: worst };
+                // What was nearest to the place before is near this one.
+                if nearest != NONE {
+                    search.look_at(nearest);
+                }
                 for point in [pair.kept, end, pair.lost, a, b] {
                     search.look_around(point);
                 }
@@ -87,6 +94,7 @@ impl WayBack {
                 }
                 if search.best.is_finite() {
                     worst = worst.max(search.best);
+                    nearest = search.triangle;
                 }
             }
         }
@@ -110,11 +118,18 @@ impl Search<'_> {
             return;
         }
         for &triangle in &self.back.around[start as usize..end as usize] {
-            let corners = self.back.triangles[triangle as usize];
-            let distance = squared_distance(corners.map(|p| self.back.positions[p as usize] - self.at));
-            if distance < self.best {
-                (self.best, self.triangle) = (distance, triangle);
+            self.look_at(triangle);
+            if self.best <= self.enough {
+                return;
             }
+        }
+    }
+
+    fn look_at(&mut self, triangle: u32) {
+        let corners = self.back.triangles[triangle as usize];
+        let distance = squared_distance(corners.map(|p| self.back.positions[p as usize] - self.at));
+        if distance < self.best {
+            (self.best, self.triangle) = (distance, triangle);
         }
     }
 

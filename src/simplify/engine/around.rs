@@ -66,6 +66,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.ring = ring;
                 return;
             }
+            let was_asleep = self.state[pair.kept as usize] & state::ASLEEP != 0;
             self.state[pair.kept as usize] &= !state::ASLEEP;
             if memoryless {
                 // All its pairs are offered below.
@@ -84,6 +85,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
             ring.clear();
             self.partners.for_each(&self.surface, self.parts.as_deref(), pair.kept, |n| ring.push(n));
             self.offer(pair.kept, &ring);
+            if was_asleep && !memoryless {
+                self.refresh(pair.kept);
+            }
             if self.best[pair.kept as usize].other != NONE {
                 self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
             }
@@ -125,6 +129,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
     #[inline]
     fn offer_one(&mut self, point: u32, other: u32, cost: f32) {
         let best = &mut self.best[point as usize];
+        if best.other == NONE && self.state[point as usize] & state::STALE != 0 {
+            // Woken: it is the next to look at all its pairs.
+            return;
+        }
         if cost < best.cost || best.other == NONE {
             *best = Best { cost, other };
             self.queue.insert(point, cost);

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::super::candidates::Best;
+use super::super::candidates::{Best, NO_BEST};
 use super::super::metric::{ErrorMetric, Pair};
 use super::super::oracle::{Collapse, Reads};
 use super::{Engine, state};
@@ -171,6 +171,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let sleeps = *state & state::ASLEEP != 0 && *state & (state::GONE | state::TOUCHED) == 0;
         if sleeps {
             *state = *state & !state::ASLEEP | state::STALE;
+            self.best[point as usize] = NO_BEST;
             self.queue.insert(point, 0.0);
         }
         sleeps
