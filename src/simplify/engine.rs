@@ -35,7 +35,7 @@ use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
 use super::parts::Parts;
 use super::patch::Patch;
-use super::permissive::{Permissive, Schedule};
+use super::permissive::{Giving, Permissive, Schedule, gives};
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
@@ -137,8 +137,11 @@ pub(super) struct Engine<'a, M> {
     first_rank: u32,
     permissive: Permissive,
     schedule: Schedule,
-    /// Triangles at which the next kind of edges gives; 0 where none does by itself.
+    /// Triangles at which the next kind gives; 0 where none does by itself.
     gives_at: usize,
+    /// Whether rules that keep the topology are asked any more, and whether one of them refuses what was looked at last.
+    keeps_topology: bool,
+    breaks_topology: bool,
     /// Per step what it gave up, `gives` bits; empty while nothing may give.
     given: Vec<u8>,
     /// Vertices in use at the start.
@@ -201,6 +204,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             permissive,
             schedule,
             gives_at: 0,
+            keeps_topology: true,
+            breaks_topology: false,
             given: Vec::new(),
             best: vec![NO_BEST; points],
             state: vec![0; points],
@@ -305,20 +310,29 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.limits.reached(self.surface.live_triangles(), self.recorder.live_vertices())
     }
 
-    /// The next kind of edges that may give, and the triangles at which it does by itself.
-    fn next_to_give(&self) -> Option<(u16, usize)> {
+    /// The next kind that may give, and the triangles at which it does by itself.
+    fn next_to_give(&self) -> Option<(Giving, usize)> {
         let may = match self.permissive {
             Permissive::Off => false,
             Permissive::Auto => self.limits.is_sized() && self.too_far == 0,
             Permissive::On => true,
         };
-        let Schedule { seams, materials } = self.schedule;
-        let kinds = [
-            (kind::SEAM, self.surface.has_seams(), seams),
-            (kind::MATERIAL, self.surface.has_materials(), materials),
-        ];
-        let next = kinds.into_iter().find(|&(bit, there, _)| there && self.surface.holds(bit));
-        next.filter(|_| may).map(|(bit, _, at)| (bit, at))
+        let Schedule { seams, materials, topology } = self.schedule;
+        let stands_in_the_way = || {
+            let mut rules = self.oracles.iter().zip(&self.refusals);
+            topology > 0 || rules.any(|(oracle, &count)| oracle.keeps_topology() && count > 0)
+        };
+        if !may {
+            None
+        } else if self.surface.has_seams() && self.surface.holds(kind::SEAM) {
+            Some((Giving::Seams, seams))
+        } else if self.surface.has_materials() && self.surface.holds(kind::MATERIAL) {
+            Some((Giving::Materials, materials))
+        } else if self.keeps_topology && self.limits.is_sized() && stands_in_the_way() {
+            Some((Giving::Topology, topology))
+        } else {
+            None
+        }
     }
 
     /// Whether the next kind gives now, whatever else is left to do.
@@ -329,23 +343,27 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     /// Where nothing legal is left and the next kind was to hold until then: when it should have begun to give.
     fn should_start_over(&self) -> Option<Schedule> {
-        let (bit, at) = self.next_to_give()?;
+        let (giving, at) = self.next_to_give()?;
         let early = self.permissive == Permissive::Auto && at == 0;
-        early.then(|| self.schedule.with(bit, self.surface.live_triangles()))
+        early.then(|| self.schedule.with(giving, self.surface.live_triangles()))
     }
 
-    /// Lets the next kind of edges give. Whether there is one that may.
+    /// Lets the next kind give. Whether there is one that may.
     fn give(&mut self) -> bool {
         let next = self.next_to_give();
-        if let Some((bit, _)) = next {
-            self.release(bit);
+        if let Some((giving, _)) = next {
+            self.release(giving);
             self.gives_at = self.next_to_give().map_or(0, |(_, at)| at);
         }
         next.is_some()
     }
 
-    fn release(&mut self, bit: u16) {
-        self.surface.release(bit);
+    fn release(&mut self, giving: Giving) {
+        match giving {
+            Giving::Seams => self.surface.release(kind::SEAM),
+            Giving::Materials => self.surface.release(kind::MATERIAL),
+            Giving::Topology => self.keeps_topology = false,
+        }
         self.vanishing.is_last = false;
         self.given.resize(self.recorder.steps(), 0);
         // Later steps stay behind earlier ones, though costs start again.
@@ -362,7 +380,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.metric.begin(&self.surface, info);
         if index == 0 && self.permissive == Permissive::On && self.surface.has_seams() {
             // Only now: what seams are worth to the metric is part of its sums.
-            self.release(kind::SEAM);
+            self.release(Giving::Seams);
         }
         self.queue.restart();
         self.verified.fill(NONE);
@@ -690,14 +708,20 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let collapse = Collapse { pair, position: x.into(), patch: &self.patch };
         let mut surcharge = 1.0;
         let is_joined = self.parts.as_deref().is_some_and(|parts| parts.has_joined(pair));
+        self.breaks_topology = false;
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
-            let is_asked = !(is_joined && oracle.keeps_topology());
-            if is_asked && !oracle.allows(&self.surface, &collapse) {
+            let is_free = oracle.keeps_topology() && (is_joined || !self.keeps_topology);
+            if is_free && (is_joined || self.breaks_topology) || oracle.allows(&self.surface, &collapse) {
+                continue;
+            }
+            if is_free {
+                self.breaks_topology = true;
+            } else {
                 *count += 1;
                 surcharge *= oracle.surcharge()?.max(1.0);
             }
         }
-        if is_joined && self.takes_all(pair) {
+        if (is_joined || self.breaks_topology) && self.takes_all(pair) {
             return None;
         }
         if self.makes_rag(pair) {
@@ -774,13 +798,19 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
+    /// Whether something gives that held at first.
+    pub(super) fn may_give_up(&self) -> bool {
+        !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL) && self.keeps_topology)
+    }
+
     /// Does a collapse whose patch is in `self.patch`.
     fn commit(&mut self, candidate: Candidate) {
         let Candidate { pair, x, object } = candidate;
         let share = blend_weight(self.surface.at(pair.lost), self.surface.at(pair.kept), x);
         let mark = self.recorder.mark();
-        if !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL)) {
-            self.given.push(self.surface.gives_up(pair, object.is_none()));
+        if self.may_give_up() {
+            let topology = if self.breaks_topology { gives::TOPOLOGY } else { 0 };
+            self.given.push(self.surface.gives_up(pair, object.is_none()) | topology);
         }
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
         self.watch.reached(error.surface);
@@ -795,7 +825,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
         let recorder = &self.recorder;
         self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
-        if shifts_features || self.patch.thirds().is_empty() {
+        if shifts_features || self.breaks_topology || self.patch.thirds().is_empty() {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);

@@ -1,24 +1,25 @@
-//! What gives where a target would be missed: seams and creases first, material borders last.
+//! What gives where a target would be missed: seams and creases first, then material borders, the topology last.
 //!
 //! ```text
 //!     all hold                 down to the target, or until no legal collapse is left
 //!     seams and creases give   a point may leave its seam; its wedges are chosen anew (`wedge_map.rs`)
 //!     materials give           a point may leave its material border; triangles keep their materials
+//!     the topology gives       holes close and sheets meet: rules that keep the topology are not asked any more
 //! ```
 //!
 //! The last legal collapses before nothing is left eat the shape: there is nowhere else to go. So what must give begins to
 //! do so earlier. A run that gets stuck is started over, and in it edges of that kind give from [`EARLY`] times as many
 //! triangles on.
 //!
-//! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials. Borders,
-//! non-manifold edges, topology and the sides of triangles in texture space hold in any case.
+//! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials, and what was closed
+//! stays closed. Locks and the sides of triangles in texture space hold in any case.
 
 use super::classify::kind;
 use super::metric::Pair;
 use super::surface::Surface;
 use super::wedge_map::WedgeMap;
 
-/// Whether seams, creases and material borders may give.
+/// Whether seams, creases, material borders and the topology may give.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -27,11 +28,12 @@ pub enum Permissive {
     Off,
     /// They hold where a size that is asked for is reached so. Where it would be missed, they hold down to 2.5 times the
     /// triangles at which no legal collapse would be left, and give from there: to find that number takes a run of its
-    /// own, for each kind that must give. Without a target of size, down to the base mesh or to an error, they hold.
+    /// own, for each kind that must give. The topology is the last of them: a torus has no fewer than 14 triangles while it
+    /// is one. Without a target of size, down to the base mesh or to an error, all hold.
     #[default]
     Auto,
     /// Seams and creases give from the start, at what it costs; material borders where nothing else is left, whether
-    /// or not a size is asked for. For attributes to cost anything, use
+    /// or not a size is asked for; the topology only before a size is missed. For attributes to cost anything, use
     /// [`WithAttributes`](super::metric::WithAttributes).
     On,
 }
@@ -47,6 +49,8 @@ pub struct GivenUp {
     pub creases: u64,
     /// By which a point left its border between materials.
     pub materials: u64,
+    /// That changed the topology: a hole closed, a handle was cut, two sheets met.
+    pub topology: u64,
 }
 
 impl GivenUp {
@@ -59,25 +63,39 @@ impl GivenUp {
         self.seams += u64::from(gives & gives::SEAM != 0);
         self.creases += u64::from(gives & gives::CREASE != 0);
         self.materials += u64::from(gives & gives::MATERIAL != 0);
+        self.topology += u64::from(gives & gives::TOPOLOGY != 0);
     }
 }
 
-/// How many times the triangles at which nothing legal is left are there when edges begin to give. At 2.5 the levels
-/// before are those of a run in which all hold, and the levels after as close as if edges had given from the start.
+/// How many times the triangles at which nothing legal is left are there when something begins to give. The levels before
+/// are those of a run in which all hold.
 const EARLY: f64 = 2.5;
 
-/// Triangles at which each kind of edges begins to give; 0: when nothing else is left.
+/// What may give, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Giving {
+    Seams,
+    Materials,
+    Topology,
+}
+
+/// Triangles at which each kind begins to give; 0: when nothing else is left.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Schedule {
     pub seams: usize,
     pub materials: usize,
+    pub topology: usize,
 }
 
 impl Schedule {
-    /// The same with edges of one kind giving early enough for a run that got stuck at so many triangles.
-    pub fn with(mut self, bit: u16, stuck: usize) -> Self {
-        let at = ((stuck as f64 * EARLY) as usize).max(1);
-        *if bit == kind::SEAM { &mut self.seams } else { &mut self.materials } = at;
+    /// The same with one kind giving early enough for a run that got stuck at so many triangles.
+    pub fn with(mut self, giving: Giving, stuck: usize) -> Self {
+        let at = match giving {
+            Giving::Seams => &mut self.seams,
+            Giving::Materials => &mut self.materials,
+            Giving::Topology => &mut self.topology,
+        };
+        *at = ((stuck as f64 * EARLY) as usize).max(1);
         self
     }
 }
@@ -87,6 +105,7 @@ pub(super) mod gives {
     pub const SEAM: u8 = 1;
     pub const CREASE: u8 = 2;
     pub const MATERIAL: u8 = 4;
+    pub const TOPOLOGY: u8 = 8;
 }
 
 impl Surface {

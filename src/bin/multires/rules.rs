@@ -399,14 +399,15 @@ pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
 
 /// What was given up, for JSON.
 pub fn given_up(report: &SimplifyReport) -> Value {
-    let GivenUp { seams, creases, materials, .. } = report.given_up;
-    json!({ "seams": seams, "creases": creases, "materials": materials })
+    let GivenUp { seams, creases, materials, topology, .. } = report.given_up;
+    json!({ "seams": seams, "creases": creases, "materials": materials, "topology": topology })
 }
 
 /// The same for people; `None` where nothing was.
 pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
-    let GivenUp { seams, creases, materials, .. } = report.given_up;
-    let parts = [(seams, "seams"), (creases, "creases"), (materials, "material borders")];
+    let GivenUp { seams, creases, materials, topology, .. } = report.given_up;
+    let parts =
+        [(seams, "seams"), (creases, "creases"), (materials, "material borders"), (topology, "topology")];
     let some = parts.iter().filter(|part| part.0 > 0);
     let list: Vec<String> = some.map(|(count, what)| format!("{what} by {count} collapses")).collect();
     (!list.is_empty()).then(|| list.join(", "))

@@ -116,7 +116,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         for (oracle, count) in self.oracles.iter().zip(&mut self.refusals) {
             let is_early = oracle.reads() != Reads::Patch
                 && oracle.surcharge().is_none()
-                && !(is_joined && oracle.keeps_topology());
+                && !((is_joined || !self.keeps_topology) && oracle.keeps_topology());
             if is_early && !oracle.allows(&self.surface, &collapse) {
                 *count += 1;
                 return true;

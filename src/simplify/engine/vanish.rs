@@ -17,7 +17,6 @@ use glam::Vec3;
 use crate::mesh::NONE;
 
 use super::super::candidates::Candidate;
-use super::super::classify::kind;
 use super::super::metric::{ErrorMetric, Pair};
 use super::super::options::Order;
 use super::super::oracle::Collapse;
@@ -185,6 +184,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.commit_vanishing(part, parts, scratch, [into, reached.unwrap_or(NONE)], loss);
         if let Some(point) = reached {
             let pair = Pair { lost: into, kept: point };
+            self.breaks_topology = false;
             self.commit(Candidate { pair, x: self.surface.at(point), object: None });
             parts.absorb(into, point);
             let both = parts.of(point);
@@ -265,7 +265,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         takers.extend(self.errors.takers());
         let error = self.errors.vanish(&self.surface, points, heir);
         self.watch.reached(error.surface);
-        if !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL)) {
+        if self.may_give_up() {
             // Nothing gives.
             self.given.push(0);
         }
@@ -311,11 +311,14 @@ impl<M: ErrorMetric> Engine<'_, M> {
 
     /// Whether a collapse whose patch is in `self.patch` would leave nothing of its part.
     pub(super) fn takes_all(&self, pair: Pair) -> bool {
-        let Some(parts) = self.parts.as_deref() else { return false };
         let mut dead = 0;
         self.surface
             .for_shared_triangles(pair.lost, pair.kept, |t| dead += 1 + self.surface.followers(t).len());
-        dead > 0 && dead == parts.live(parts.of(pair.kept)) as usize
+        let all = match self.parts.as_deref() {
+            Some(parts) => parts.live(parts.of(pair.kept)) as usize,
+            None => self.surface.live_triangles(),
+        };
+        dead > 0 && dead == all
     }
 
     /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
