@@ -33,6 +33,17 @@ const LEAST_HELD_SHARE: f32 = 0.75;
 /// What an end at a feature counts for; more than there are creases on any mesh.
 const HELD: u64 = 1 << 32;
 
+/// What a curve edge is to metrics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rim {
+    /// A mere seam: the surface goes on across it.
+    No,
+    /// The surface bends there.
+    Crease,
+    /// The surface ends, or becomes another: a border, a non-manifold edge, or one between materials.
+    Edge,
+}
+
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curves {
@@ -40,8 +51,8 @@ pub(super) struct Curves {
     first: Vec<u32>,
     /// The points of every edge; `NONE` once it is gone.
     ends: Vec<[u32; 2]>,
-    /// Whether each edge is more than a seam: a border, a non-manifold edge, one between materials, or a crease.
-    rims: Vec<bool>,
+    /// What each edge is to metrics.
+    rims: Vec<Rim>,
     /// Per entry the one before and the one after it around its point.
     links: Vec<[u32; 2]>,
 }
@@ -66,11 +77,12 @@ impl Curves {
         found.sort_unstable();
         found.dedup();
         let mut curves = Self::of_edges(found, surface.point_count());
-        let is_rim = |&[u, v]: &[u32; 2]| match surface.edge_kind(u, v) {
-            Some(kind::SEAM) => is_bent(surface, u, v),
-            _ => true,
+        let rim = |&[u, v]: &[u32; 2]| match surface.edge_kind(u, v) {
+            Some(kind::SEAM) if !is_bent(surface, u, v) => Rim::No,
+            Some(0 | kind::SEAM) => Rim::Crease,
+            _ => Rim::Edge,
         };
-        curves.rims = curves.ends.iter().map(is_rim).collect();
+        curves.rims = curves.ends.iter().map(rim).collect();
         curves
     }
 
@@ -80,7 +92,7 @@ impl Curves {
         }
         let mut curves = Self {
             first: vec![NONE; points],
-            rims: vec![true; ends.len()],
+            rims: vec![Rim::Crease; ends.len()],
             links: vec![[NONE; 2]; 2 * ends.len()],
             ends,
         };
@@ -107,8 +119,8 @@ impl Curves {
         self.ends[edge as usize]
     }
 
-    /// Whether an edge is more than a seam.
-    pub fn is_rim(&self, edge: u32) -> bool {
+    /// What an edge is to metrics.
+    pub fn rim(&self, edge: u32) -> Rim {
         self.rims[edge as usize]
     }
 

@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{Seen, kind};
-use super::curves::Curves;
+use super::curves::{Curves, Rim};
 use super::sheets::{Layer, Sheets};
 use super::stars::Stars;
 use super::wedge_values::WedgeValues;
@@ -394,10 +394,11 @@ impl Surface {
     }
 
     /// Calls `visit` with the other end of every curve edge at a point that is a rim: no mere seam.
-    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32)) {
+    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32, Rim)) {
         for [edge, other] in self.curves.around(point) {
-            if self.curves.is_rim(edge) {
-                visit(other);
+            let rim = self.curves.rim(edge);
+            if rim != Rim::No {
+                visit(other, rim);
             }
         }
     }

@@ -18,8 +18,12 @@ use super::region::{at, finite, for_border_edges, for_region, for_rims};
 use super::solve::{Constraints, Symmetric, minimise_on_plane};
 use super::stars::{Stars, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
+use crate::simplify::curves::Rim;
 use crate::simplify::surface::Surface;
 
+/// Weight of the areas that creases sweep: the volumes on either side hold them already. Found by trial on a machined part:
+/// at 1 the mean distance grows by a third, at 0 the largest by as much.
+const CREASE: f64 = 0.1;
 /// 1/2 of the squared volume (a sixth of the product, squared).
 const VOLUME: f64 = 0.5 / 36.0;
 /// 1/2 of the squared area (half of the product, squared).
@@ -94,14 +98,15 @@ impl Border {
             border.e += e;
             border.s += s;
         });
-        for_rims(surface, pair, |p, q| {
+        for_rims(surface, pair, |p, q, rim| {
+            let weight = if rim == Rim::Crease { CREASE } else { 1.0 };
             let (p, q) = (p - origin, q - origin);
             let (e, s) = (q - p, p.cross(q));
             // |s - x * e|^2 = x'(|e|^2 - ee')x - 2 (e * s).x + |s|^2
-            border.h.add(&Symmetric::identity(e.length_squared()));
-            border.h.subtract_outer(e);
-            border.c += e.cross(s);
-            border.constant += s.length_squared();
+            border.h.add(&Symmetric::identity(weight * e.length_squared()));
+            border.h.subtract_outer(weight.sqrt() * e);
+            border.c += weight * e.cross(s);
+            border.constant += weight * s.length_squared();
         });
         border
     }

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, ErrorMetric, Pair};
+use crate::simplify::curves::Rim;
 use crate::simplify::surface::Surface;
 
 /// One triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
@@ -94,12 +95,12 @@ pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl Fn
 /// Calls `visit` with the ends of every rim at either point that the collapse moves, each once: borders, non-manifold
 /// edges, borders between materials and creases, but no seams across which the surface goes on. The edge between the two
 /// is among them where it is one.
-pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
+pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3, Rim)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if surface.is_on_curve(point) {
-            surface.for_rims(point, |end| {
+            surface.for_rims(point, |end, rim| {
                 if !(end == other && point == pair.kept) {
-                    visit(at(surface, point), at(surface, end));
+                    visit(at(surface, point), at(surface, end), rim);
                 }
             });
         }
@@ -110,7 +111,7 @@ pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec
 pub(super) fn swept_by_rims(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
-        for_rims(surface, pair, |p, q| sum += (p - x).cross(q - x).length());
+        for_rims(surface, pair, |p, q, _| sum += (p - x).cross(q - x).length());
     }
     0.5 * sum
 }
