@@ -141,7 +141,7 @@ impl Surface {
                     entry.first = self.edge_vertices(corner, side);
                     entry.material = self.material(corner.triangle);
                     entry.triangle = corner.triangle;
-                } else if self.has_sheets() {
+                } else if self.are_layered([entry.triangle, corner.triangle]) {
                     entry.bits |= self.sheet_edge([entry.triangle, corner.triangle], [point, n]);
                 } else {
                     let seam = self.edge_vertices(corner, side) != entry.first;
@@ -226,7 +226,7 @@ impl Surface {
             let ends = self.edge_vertices(corner, side);
             match first {
                 None => first = Some((corner, ends)),
-                Some((other, _)) if self.has_sheets() => {
+                Some((other, _)) if self.are_layered([other.triangle, corner.triangle]) => {
                     bits |= self.sheet_edge([other.triangle, corner.triangle], [u, v]);
                 }
                 Some((other, other_ends)) => {
@@ -263,6 +263,12 @@ impl Surface {
             }
         }
         count == 1
+    }
+
+    /// Whether either of two triangles is followed by others that carry something else.
+    #[inline]
+    fn are_layered(&self, triangles: [u32; 2]) -> bool {
+        self.has_sheets() && triangles.iter().any(|&triangle| self.is_layered(triangle))
     }
 
     /// What the edge between two points is by the sheets of two triangles on it, as `kind` bits.

@@ -152,7 +152,7 @@ impl Watch {
         }
         let known = (apart * apart).max(curve * curve).max(self.surface.largest()).max(ROUNDING * ROUNDING);
         let on = |triangle: u32, visit: &mut dyn FnMut(u32)| self.surface.on_triangle(triangle, visit);
-        let back = self.back.farthest(patch, pair, x, known, on);
+        let back = self.back.farthest(surface, patch, pair, x, known, on);
         Deviation::new(if back > known { back.sqrt() } else { apart }, curve)
     }
 }

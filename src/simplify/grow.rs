@@ -22,6 +22,10 @@ const CELLS: usize = 1024;
 /// Rounds of looking and growing on, and the share of what is missing that each makes up for.
 const ROUNDS: usize = 16;
 const STEP: f64 = 0.7;
+/// Rounds that bring next to nothing after which nothing more is tried.
+const IDLE: usize = 4;
+/// What may be missing along each axis (its logarithm).
+const ENOUGH: f64 = 0.005;
 /// The power of a part's own missing area by which it may grow or shrink along an axis.
 const POWERS: [f64; 2] = [-1.0, 6.0];
 
@@ -220,7 +224,7 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
     let mean = 1.0 + ratios.sum::<f64>() / growing.parts.len().max(1) as f64;
     let unit = 0.5 * log_of(mean).max(0.05);
     let mut positions = level.positions().to_vec();
-    let (mut powers, mut best) = ([0.0; 3], ([0.0; 3], f64::INFINITY));
+    let (mut powers, mut best, mut idle) = ([0.0; 3], ([0.0; 3], f64::INFINITY), 0);
     for _ in 0..ROUNDS {
         growing.place(powers, &mut positions);
         let now = covered(&positions, level.triangles());
@@ -228,8 +232,12 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
             if asked[axis] > 0.0 && now[axis] > 0.0 { log_of(asked[axis] / now[axis]) } else { 0.0 }
         });
         let worst = missing.iter().fold(0.0f64, |worst, x| worst.max(x.abs()));
+        idle = if worst < 0.95 * best.1 { 0 } else { idle + 1 };
         if worst < best.1 {
             best = (powers, worst);
+        }
+        if worst < ENOUGH || idle == IDLE {
+            break;
         }
         let sum: f64 = missing.iter().sum();
         powers = std::array::from_fn(|axis| {
@@ -386,7 +394,7 @@ impl View {
     fn covered(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]], axis: usize) -> usize {
         let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
         let (width, height) = (self.cells[u], self.cells[v]);
-        let mut cells = vec![false; width * height];
+        let mut cells = vec![0u8; width * height];
         let at = |vertex: u32| {
             let p = positions[vertex as usize];
             [u, v].map(|i| (f64::from(p[i]) - self.low[i]) / self.cell - 0.5)
@@ -400,21 +408,43 @@ impl View {
             if area == 0.0 || !area.is_finite() {
                 continue;
             }
-            let range = |i: usize, most: usize| {
-                let low = a[i].min(b[i]).min(c[i]).ceil().max(0.0) as usize;
-                let high = a[i].max(b[i]).max(c[i]).floor().min(most as f64 - 1.0);
-                low..(high + 1.0).max(0.0) as usize
-            };
-            for y in range(1, height) {
-                for x in range(0, width) {
-                    let p = [x as f64, y as f64];
-                    let sides = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
-                    if sides.iter().all(|s| s * area >= 0.0) {
-                        cells[y * width + x] = true;
+            let low = ceil(a[1].min(b[1]).min(c[1])).max(0);
+            let high = floor(a[1].max(b[1]).max(c[1])).min(height as i64 - 1);
+            // An edge that leads up bounds rows from one side, one that leads down from the other.
+            let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+                let rise = (q[1] - p[1]) * area.signum();
+                (p, rise, if rise == 0.0 { 0.0 } else { (q[0] - p[0]) / (q[1] - p[1]) })
+            });
+            for y in low..=high {
+                let (mut from, mut to) = (0, width as i64 - 1);
+                for &(p, rise, slope) in &edges {
+                    let x = p[0] + (y as f64 - p[1]) * slope;
+                    if rise < 0.0 {
+                        from = from.max(ceil(x));
+                    } else if rise > 0.0 {
+                        to = to.min(floor(x));
                     }
+                }
+                if from <= to {
+                    let row = y as usize * width;
+                    cells[row + from as usize..=row + to as usize].fill(1);
                 }
             }
         }
-        cells.iter().filter(|&&cell| cell).count()
+        // In runs of which a byte holds the sum.
+        let sum = |run: &[u8]| usize::from(run.iter().sum::<u8>());
+        cells.chunks(255).map(sum).sum()
     }
+}
+
+/// The least whole number not below `x`.
+fn ceil(x: f64) -> i64 {
+    let whole = x as i64;
+    whole + i64::from((whole as f64) < x)
+}
+
+/// The largest whole number not above `x`.
+fn floor(x: f64) -> i64 {
+    let whole = x as i64;
+    whole - i64::from(whole as f64 > x)
 }

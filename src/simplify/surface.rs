@@ -264,6 +264,12 @@ impl Surface {
         !self.sheets.is_empty()
     }
 
+    /// Whether a triangle is followed by others that carry something else.
+    #[inline]
+    pub(super) fn is_layered(&self, triangle: u32) -> bool {
+        !self.sheets.layers(triangle).is_empty()
+    }
+
     /// The triangles that follow a triangle: those over the same three points, which die with it.
     #[inline]
     pub(crate) fn followers(&self, triangle: u32) -> &[u32] {

@@ -20,19 +20,20 @@ use super::surface::Surface;
 
 /// Points with more triangles are not looked around.
 const HUB: u32 = 64;
-/// Where on a new triangle is looked, as shares of its sides from the merged point: along both sides and inside.
-const LOOKS: [[f32; 2]; 10] = [
+/// Where on a new triangle is looked, as shares of its sides from the merged point: in the middle of both sides and inside,
+/// and where one of these is far from the input, also between them.
+const FIRST_LOOKS: [[f32; 2]; 3] = [[0.5, 0.0], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
+const LOOKS: [[f32; 2]; 7] = [
     [0.25, 0.0],
-    [0.5, 0.0],
     [0.75, 0.0],
     [0.0, 0.25],
-    [0.0, 0.5],
     [0.0, 0.75],
-    [1.0 / 3.0, 1.0 / 3.0],
     [1.0 / 6.0, 1.0 / 6.0],
     [2.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0],
 ];
+/// Share of the squared distance known up to which a triangle is not far from the input.
+const NEAR: f32 = 0.25;
 /// Most new triangles that are looked at: with more, a hub moves.
 const MOST_FACETS: usize = 64;
 
@@ -64,9 +65,11 @@ impl WayBack {
     }
 
     /// The largest squared distance of a point on the new triangles of a merge at `x` from the input, where it is more
-    /// than `known`; else that. `on`: points of the input that lie over a triangle.
+    /// than `known`; else that. Triangles with a corner off all curves are looked at on small meshes only: elsewhere points
+    /// of the input tell how far those are. `on`: points of the input that lie over a triangle.
     pub fn farthest(
         &self,
+        surface: &Surface,
         patch: &Patch,
         pair: Pair,
         x: Vec3,
@@ -75,27 +78,40 @@ impl WayBack {
     ) -> f32 {
         let mut worst = known;
         let mut nearest = NONE;
+        let is_between = |point: u32| surface.is_small() || surface.is_on_curve(point);
+        let merged = is_between(pair.kept) || is_between(pair.lost);
         for facet in patch.facets().iter().take(MOST_FACETS) {
             let [a, b] = facet.others;
-            for ([along_a, along_b], end) in LOOKS.map(|look| (look, if look[0] < look[1] { b } else { a })) {
-                let offset = along_a * facet.a + along_b * facet.b;
-                let mut search =
-                    Search { back: self, at: x + offset, best: f32::INFINITY, triangle: 0, enough: worst };
+            if !(merged && is_between(a) && is_between(b)) {
+                continue;
+            }
+            let mut look = |[along_a, along_b]: [f32; 2], enough: f32| {
+                let at = x + along_a * facet.a + along_b * facet.b;
+                let mut search = Search { back: self, at, best: f32::INFINITY, triangle: 0, enough };
                 // What was nearest to the place before is near this one.
                 if nearest != NONE {
                     search.look_at(nearest);
                 }
+                let end = if along_a < along_b { b } else { a };
                 for point in [pair.kept, end, pair.lost, a, b] {
                     search.look_around(point);
                 }
-                if search.best > worst {
+                if search.best > enough {
                     on(facet.triangle, &mut |point| search.look_around(point));
                     search.walk();
                 }
                 if search.best.is_finite() {
-                    worst = worst.max(search.best);
                     nearest = search.triangle;
+                    search.best
+                } else {
+                    0.0
                 }
+            };
+            let near = NEAR * worst;
+            let first = FIRST_LOOKS.iter().fold(0.0f32, |far, &place| far.max(look(place, near)));
+            worst = worst.max(first);
+            if first > near {
+                worst = LOOKS.iter().fold(worst, |worst, &place| worst.max(look(place, worst)));
             }
         }
         worst

@@ -45,23 +45,36 @@ impl WedgeMap {
         let (point, other) = if turned { (pair.kept, pair.lost) } else { (pair.lost, pair.kept) };
         for corner in surface.star(point) {
             let Some(side) = corner.others.iter().position(|&o| o == other) else { continue };
-            let slot = corner.slot as usize;
-            for layer in surface.layers(corner.triangle) {
-                let (near, far) = (layer.vertices[slot], layer.vertices[(slot + 1 + side) % 3]);
-                let (from, to) = if turned { (far, near) } else { (near, far) };
-                let to = map.root(to);
-                match map.get(from) {
-                    Some(known) if known == to => {}
-                    Some(known) => map.join(to, known),
-                    None => map.push(from, to),
-                }
+            let slots = [corner.slot as usize, (corner.slot as usize + 1 + side) % 3];
+            let slots = if turned { [slots[1], slots[0]] } else { slots };
+            if surface.is_layered(corner.triangle) {
+                surface.layers(corner.triangle).for_each(|layer| map.add(slots.map(|i| layer.vertices[i])));
+            } else {
+                let vertices = surface.corner_vertices(corner.triangle);
+                map.add(slots.map(|i| vertices[i]));
             }
         }
         if map.complete {
-            map.complete = wedges_of(surface, pair.lost).all(|wedge| map.get(wedge).is_some());
+            map.complete = surface.star(pair.lost).all(|corner| {
+                let goes = |vertices: [u32; 3]| map.get(vertices[corner.slot as usize]).is_some();
+                goes(surface.corner_vertices(corner.triangle))
+                    && (!surface.is_layered(corner.triangle)
+                        || surface.layers(corner.triangle).all(|layer| goes(layer.vertices)))
+            });
         }
         map.linked = map.len;
         map
+    }
+
+    /// Takes down what a triangle on the edge says.
+    #[inline]
+    fn add(&mut self, [from, to]: [u32; 2]) {
+        let to = self.root(to);
+        match self.get(from) {
+            Some(known) if known == to => {}
+            Some(known) => self.join(to, known),
+            None => self.push(from, to),
+        }
     }
 
     /// The map of a pair with a place for every wedge, unless it [overflows](Self::overflows).
@@ -89,12 +102,17 @@ impl WedgeMap {
     }
 
     /// Where a wedge of the lost point goes: itself where it keeps its values.
+    #[inline]
     pub fn get(&self, from: u32) -> Option<u32> {
         self.pairs().iter().find(|pair| pair[0] == from).map(|pair| self.root(pair[1]))
     }
 
     /// Which wedge a wedge of the kept point becomes: itself but where wedges become one.
+    #[inline]
     pub fn root(&self, mut kept: u32) -> u32 {
+        if self.joins == 0 {
+            return kept;
+        }
         while let Some(&[_, to]) = self.joined[..self.joins].iter().find(|pair| pair[0] == kept) {
             kept = to;
         }

@@ -637,7 +637,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         if self.is_idle() {
             return;
         }
-        let is_plain = surface.kind(lost) & kind::FEATURE == 0 && !surface.has_sheets();
+        let is_plain = surface.kind(lost) & (kind::FEATURE | kind::WEDGES) == 0;
         let one_wedge = surface.has_seams() && is_plain;
         let mut star = surface.star(lost);
         for (&kept, cost) in kept.iter().zip(costs) {
