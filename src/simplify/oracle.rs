@@ -83,8 +83,9 @@ pub trait Oracle: Send + Sync {
         true
     }
 
-    /// Whether the rule keeps the topology, and so is not asked about parts that were joined
-    /// ([`join_distance`](super::Simplifier::join_distance)): what has grown together is not what it was. Default: no.
+    /// Whether the rule keeps the topology. Such rules do not hold parts that were joined
+    /// ([`join_distance`](super::Simplifier::join_distance)), which are not what they were, and give before a size is missed
+    /// ([`Permissive`](super::Permissive)). Default: no.
     fn keeps_topology(&self) -> bool {
         false
     }

@@ -116,7 +116,7 @@ fn ways(rules: &Rules, level: &Mesh) -> Vec<Way> {
         ways.push(("guard", "--guard off (what is left loses its shape)".to_owned(), Box::new(change)));
     }
     if rules.permissive == Gives::Off {
-        for rule in ["seam", "material"] {
+        for rule in ["seam", "material", "border", "non-manifold", "link"] {
             let change = |rules: &mut Rules| rules.permissive = Gives::Auto;
             ways.push((rule, "--permissive auto".to_owned(), Box::new(change)));
         }

@@ -53,8 +53,8 @@ pub struct Rules {
     /// Snap positions within this distance (object units) of each other to one before anything else.
     #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
     pub weld: f64,
-    /// Whether seams, creases and borders between materials may give: never, where it costs least, or only before a size
-    /// asked for is missed.
+    /// Whether seams, creases, borders between materials and, last, the topology may give: never, where it costs least, or
+    /// only before a size asked for is missed.
     #[arg(long, value_name = "W", value_enum, default_value_t = Gives::Auto)]
     pub permissive: Gives,
     /// Neither move nor remove vertices on open borders.

@@ -17,9 +17,9 @@ use crate::rules::{self, Rules, not_negative, share};
 
 /// Simplify a mesh until a target is reached; with several targets, the first one.
 ///
-/// Topology and borders are kept, and seams and materials as far as a size asked for allows: see --permissive. Where no
-/// legal collapse is left before the target is reached, the mesh is written as it is then, and a warning says which
-/// rules stood in the way.
+/// Seams, materials, borders and the topology are kept as far as a size asked for allows: see --permissive. Where no legal
+/// collapse is left before the target is reached, the mesh is written as it is then, and a warning says which rules stood
+/// in the way.
 #[derive(Args)]
 pub struct Simplify {
     /// The mesh file to read.
