@@ -93,6 +93,8 @@ mod state {
     pub const GUARDED: u8 = 16;
     /// A hub around which not everything was woken.
     pub const PENDING: u8 = 32;
+    /// It is among the next to be served, and looks at all its pairs then.
+    pub const WOKEN: u8 = 64;
 }
 
 /// A candidate that no rule forbids, and how many times its cost it counts as.
@@ -545,7 +547,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     }
 
     fn refresh(&mut self, point: u32) {
-        self.state[point as usize] &= !state::STALE;
+        self.state[point as usize] &= !(state::STALE | state::WOKEN);
         self.best[point as usize] = self.candidate(point);
         if let Some(verified) = self.verified.get_mut(point as usize) {
             *verified = NONE;

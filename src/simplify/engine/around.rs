@@ -66,8 +66,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.ring = ring;
                 return;
             }
-            let was_asleep = self.state[pair.kept as usize] & state::ASLEEP != 0;
-            self.state[pair.kept as usize] &= !state::ASLEEP;
+            let was_asleep = self.state[pair.kept as usize] & (state::ASLEEP | state::WOKEN) != 0;
+            self.state[pair.kept as usize] &= !(state::ASLEEP | state::WOKEN);
             if memoryless {
                 // All its pairs are offered below.
                 self.state[pair.kept as usize] &= !state::STALE;
@@ -129,8 +129,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
     #[inline]
     fn offer_one(&mut self, point: u32, other: u32, cost: f32) {
         let best = &mut self.best[point as usize];
-        if best.other == NONE && self.state[point as usize] & state::STALE != 0 {
-            // Woken: it is the next to look at all its pairs.
+        if self.state[point as usize] & state::WOKEN != 0 {
             return;
         }
         if cost < best.cost || best.other == NONE {

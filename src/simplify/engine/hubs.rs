@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::super::candidates::{Best, NO_BEST};
+use super::super::candidates::Best;
 use super::super::metric::{ErrorMetric, Pair};
 use super::super::oracle::{Collapse, Reads};
 use super::{Engine, state};
@@ -170,8 +170,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let state = &mut self.state[point as usize];
         let sleeps = *state & state::ASLEEP != 0 && *state & (state::GONE | state::TOUCHED) == 0;
         if sleeps {
-            *state = *state & !state::ASLEEP | state::STALE;
-            self.best[point as usize] = NO_BEST;
+            *state = *state & !state::ASLEEP | state::STALE | state::WOKEN;
             self.queue.insert(point, 0.0);
         }
         sleeps
