@@ -72,6 +72,6 @@ fn what_does_not_help_is_not_named() {
         let (answer, warning) = simplify(&folder, "--triangles 1 --max-turn 180 --min-quality 0");
         assert_eq!(answer["stop"], "nothing-legal", "{what}");
         assert!(answer["advice"].as_array().unwrap().is_empty(), "{what}: {warning}");
-        assert!(warning.contains("link") && !warning.contains("--"), "{what}: {warning}");
+        assert!(warning.contains("parts") && !warning.contains("--"), "{what}: {warning}");
     }
 }

@@ -48,7 +48,7 @@ fn commands(file: &Path, folder: &Folder) -> Option<(Mesh, [Mesh; 3])> {
     let [output, baked, level] = ["out.ply", "all.mres", "level.ply"].map(|n| folder.file(n));
     let commands = [
         json("info", &[file], ""),
-        json("simplify", &[file, &output], "--ratio 0.1 --keep-parts"),
+        json("simplify", &[file, &output], "--ratio 0.1 --keep-parts --permissive off"),
         json("build", &[file, &baked], "--structure tom --keep-parts"),
     ];
     if commands[0].code == Some(1) {

@@ -16,6 +16,9 @@ use super::placement::Placement;
 use super::surface::Surface;
 use crate::mesh::NONE;
 
+/// Up to so many times the edge's length an optimum may lie from its middle without further ado.
+const FAR: f32 = 1.0;
+
 /// A point's cheapest candidate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Best {
@@ -93,26 +96,46 @@ impl<M: ErrorMetric> Judge<'_, M> {
             Placement::Optimal => {
                 if let Some((x, c)) = self.metric.optimum(self.surface, pair) {
                     let x = Vec3::from(x);
-                    if x.is_finite() {
+                    let near = (FAR * FAR) * lost.distance_squared(kept);
+                    if x.distance_squared(middle) <= near || x.is_finite() && self.is_among(pair, middle, x) {
                         return (pair, x, clean(c));
                     }
+                    return self.best_of_three(pair, middle);
                 }
                 (pair, middle, cost(pair, middle))
             }
-            Placement::Subset => {
-                let swapped = Pair { lost: pair.kept, kept: pair.lost };
-                let options = [(pair, kept), (swapped, lost), (pair, middle)];
-                let mut best = (pair, kept, f32::INFINITY);
-                for (pair, x) in options {
-                    let c = cost(pair, x);
-                    if c < best.2 {
-                        best = (pair, x, c);
-                    }
-                }
-                best
-            }
+            Placement::Subset => self.best_of_three(pair, middle),
             _ => (pair, middle, cost(pair, middle)),
         }
+    }
+
+    /// The cheapest of both ends and their middle.
+    fn best_of_three(&self, pair: Pair, middle: Vec3) -> (Pair, Vec3, f32) {
+        let Pair { lost, kept } = pair;
+        let swapped = Pair { lost: kept, kept: lost };
+        let options = [(pair, self.surface.at(kept)), (swapped, self.surface.at(lost)), (pair, middle)];
+        let mut best = (options[0].0, options[0].1, f32::INFINITY);
+        for (pair, x) in options {
+            let cost = self.metric.cost(self.surface, pair, x.into());
+            let cost = if cost > 0.0 { cost } else { 0.0 };
+            if cost < best.2 {
+                best = (pair, x, cost);
+            }
+        }
+        best
+    }
+
+    /// Whether `x` is no farther from the middle than the farthest neighbour: where a sum of few planes leaves the optimum
+    /// open it may lie anywhere. O(valences).
+    #[cold]
+    fn is_among(&self, pair: Pair, middle: Vec3, x: Vec3) -> bool {
+        let mut farthest = 0.0f32;
+        for point in [pair.lost, pair.kept] {
+            self.surface.for_neighbours(point, |n| {
+                farthest = farthest.max(self.surface.at(n).distance_squared(middle));
+            });
+        }
+        x.distance_squared(middle) <= farthest
     }
 
     /// Puts the freer point first; says whether the other one must stay where it is.

@@ -724,6 +724,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             }
         }
         if (is_joined || self.breaks_topology) && self.takes_all(pair) {
+            self.vanishing.whole += 1;
             return None;
         }
         if self.makes_rag(pair) {

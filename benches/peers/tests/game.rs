@@ -134,8 +134,8 @@ fn wrong_usage_has_its_status() {
 fn reach_goes_through_a_folder() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("reach");
     std::fs::create_dir_all(&folder).unwrap();
-    multires::io::write(&folder.join("ball.ply"), &shapes::icosphere(4)).unwrap();
-    multires::io::write(&folder.join("cube.ply"), &shapes::cube()).unwrap();
+    multires::io::write(folder.join("ball.ply"), &shapes::icosphere(4)).unwrap();
+    multires::io::write(folder.join("cube.ply"), &shapes::cube()).unwrap();
     std::fs::write(folder.join("broken.obj"), "v 0 0\n").unwrap();
     let output = peers(&["reach", folder.to_str().unwrap(), "--json"]);
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();

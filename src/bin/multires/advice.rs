@@ -33,7 +33,8 @@ impl Advice {
         targets: &[Target],
     ) -> Result<Vec<Self>, Failure> {
         let stands = |oracle: &str| report.refusals.iter().any(|r| r.oracle == oracle && r.standing > 0);
-        let ways: Vec<Way> = ways(rules, level).into_iter().filter(|way| stands(way.0)).collect();
+        let mut ways: Vec<Way> = ways(rules, level).into_iter().filter(|way| stands(way.0)).collect();
+        ways.dedup_by(|a, b| a.1 == b.1);
         let most = (WORTH * level.triangles().len() as f64) as usize;
         let reached = |changed: &Rules| -> Result<Option<usize>, Failure> {
             let Ok(mesh) = changed.dropped(level.clone()) else { return Ok(None) };
@@ -94,8 +95,10 @@ fn ways(rules: &Rules, level: &Mesh) -> Vec<Way> {
         ways.push(("material", "--drop material".to_owned(), Box::new(change)));
     }
     if rules.keep_parts {
-        let change = |rules: &mut Rules| rules.keep_parts = false;
-        ways.push(("link", "leaving out --keep-parts".to_owned(), Box::new(change)));
+        for rule in ["link", "parts"] {
+            let change = |rules: &mut Rules| rules.keep_parts = false;
+            ways.push((rule, "leaving out --keep-parts".to_owned(), Box::new(change)));
+        }
     }
     if rules.join_distance == 0.0 {
         // A fiftieth of the diagonal, of two digits.

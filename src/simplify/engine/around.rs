@@ -88,8 +88,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
             if was_asleep && !memoryless {
                 self.refresh(pair.kept);
             }
-            if self.best[pair.kept as usize].other != NONE {
-                self.queue.insert(pair.kept, self.best[pair.kept as usize].cost);
+            match self.best[pair.kept as usize] {
+                Best { other: NONE, .. } => self.queue.remove(pair.kept),
+                Best { cost, .. } => self.queue.insert(pair.kept, cost),
             }
         }
         self.ring = ring;

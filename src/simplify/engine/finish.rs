@@ -10,8 +10,9 @@ use super::super::sequence::CollapseSequence;
 use super::{Engine, Legal, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Per oracle the candidates of the final mesh that it is the first to refuse.
-    fn standing_refusals(&mut self) -> Vec<u64> {
+    /// Per oracle the candidates of the final mesh that it is the first to refuse; and how many would leave nothing of a part.
+    fn standing_refusals(&mut self) -> (Vec<u64>, u64) {
+        let whole = self.vanishing.whole;
         let asked = std::mem::replace(&mut self.refusals, vec![0; self.oracles.len()]);
         let mut others = Vec::new();
         for point in 0..self.state.len() as u32 {
@@ -39,16 +40,17 @@ impl<M: ErrorMetric> Engine<'_, M> {
         for (oracle, count) in self.oracles.iter().zip(&mut standing) {
             *count = if oracle.surcharge().is_some() { 0 } else { *count };
         }
-        standing
+        (standing, std::mem::replace(&mut self.vanishing.whole, whole) - whole)
     }
 
     /// The sequence, in order and cut at its targets.
     pub(super) fn finish(mut self, mesh: &Mesh, stop: StopReason) -> CollapseSequence {
-        let standing = if matches!(stop, StopReason::NothingLegal | StopReason::Error | StopReason::Guard) {
-            self.standing_refusals()
-        } else {
-            vec![0; self.oracles.len()]
-        };
+        let (standing, whole) =
+            if matches!(stop, StopReason::NothingLegal | StopReason::Error | StopReason::Guard) {
+                self.standing_refusals()
+            } else {
+                (vec![0; self.oracles.len()], 0)
+            };
         let counts = self.oracles.iter().zip(self.refusals.iter().zip(&standing));
         let mut refusals: Vec<Refusal> = counts
             .map(|(oracle, (&count, &standing))| Refusal {
@@ -57,9 +59,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 standing,
             })
             .collect();
-        if self.vanishing.rags > 0 {
-            // Such parts are there to vanish as a whole, so none of these stands in the way.
-            refusals.push(Refusal { oracle: "parts".to_owned(), count: self.vanishing.rags, standing: 0 });
+        let count = self.vanishing.rags + self.vanishing.whole;
+        if count > 0 {
+            // Parts that would become rags are there to vanish as a whole, so none of those stands in the way.
+            refusals.push(Refusal { oracle: "parts".to_owned(), count, standing: whole });
         }
         if self.limits.error.is_finite() {
             refusals.push(Refusal { oracle: "error".to_owned(), count: self.too_far, standing: 0 });

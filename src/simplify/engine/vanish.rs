@@ -49,6 +49,8 @@ pub(super) struct Vanishing {
     join_distance: f32,
     /// Collapses refused because they would make rags.
     pub rags: u64,
+    /// Collapses refused because they would leave nothing of a part, whatever the topology.
+    pub whole: u64,
     /// The least rank of further steps.
     pub floor: u32,
     /// All points that a part had, and those of them that are still there.
@@ -309,16 +311,15 @@ impl<M: ErrorMetric> Engine<'_, M> {
         parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
     }
 
-    /// Whether a collapse whose patch is in `self.patch` would leave nothing of its part.
+    /// Whether a collapse whose patch is in `self.patch` would leave nothing of all that hangs together with it.
     pub(super) fn takes_all(&self, pair: Pair) -> bool {
-        let mut dead = 0;
-        self.surface
-            .for_shared_triangles(pair.lost, pair.kept, |t| dead += 1 + self.surface.followers(t).len());
-        let all = match self.parts.as_deref() {
-            Some(parts) => parts.live(parts.of(pair.kept)) as usize,
-            None => self.surface.live_triangles(),
-        };
-        dead > 0 && dead == all
+        let thirds = self.patch.thirds();
+        let goes = |point: u32, dying: usize| self.surface.valence(point) == dying;
+        let dying_at = |third: u32| thirds.iter().filter(|&&other| other == third).count();
+        !thirds.is_empty()
+            && goes(pair.lost, thirds.len())
+            && goes(pair.kept, thirds.len())
+            && thirds.iter().all(|&third| goes(third, dying_at(third)))
     }
 
     /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.

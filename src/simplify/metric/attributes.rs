@@ -54,10 +54,12 @@ impl<'a> Attributes<'a> {
     }
 
     /// Normals, all sets of texture coordinates and of colours where the mesh has them, with weights that suit rendering:
-    /// [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), [`COLOR_WEIGHT`](Self::COLOR_WEIGHT), and for texture coordinates
-    /// [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the distance that one unit covers on this mesh's surface.
+    /// [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), but no more than [`NORMAL_EDGES`](Self::NORMAL_EDGES) of an edge;
+    /// [`COLOR_WEIGHT`](Self::COLOR_WEIGHT); and for texture coordinates [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the
+    /// distance that one unit covers on this mesh's surface.
     pub fn customary(mesh: &'a Mesh) -> Self {
-        let mut all = Self::new(mesh).normals(Self::NORMAL_WEIGHT);
+        let normals = f64::from(Self::NORMAL_WEIGHT).min(f64::from(Self::NORMAL_EDGES) * edge_length(mesh));
+        let mut all = Self::new(mesh).normals(normals as f32);
         for attribute in mesh.attributes() {
             let name = attribute.name();
             if names::is_set_of(name, names::UV) {
@@ -71,6 +73,9 @@ impl<'a> Attributes<'a> {
 
     /// The customary weight of normals.
     pub const NORMAL_WEIGHT: f32 = 0.004;
+    /// Most that normals weigh, in edges of mean length. On dense meshes normals say how rough the surface is from edge to
+    /// edge, which no coarser level can show: what more weight brings is triangles of one size.
+    pub const NORMAL_EDGES: f32 = 0.15;
     /// The customary weight of colours.
     pub const COLOR_WEIGHT: f32 = 0.01;
     /// What a texture that slides along the surface is worth, as a share of the way it slides.
@@ -157,6 +162,16 @@ const MAX_WEIGHT: f32 = 1e6;
 
 /// Thinnest triangle (height over length) whose gradient is trusted; on thinner ones values count as constant.
 const THINNEST: f32 = 1e-5;
+
+/// Length of an edge if all triangles were alike and equilateral, in parts of the diagonal of the mesh's box; 0 without
+/// triangles or extent.
+fn edge_length(mesh: &Mesh) -> f64 {
+    let at = |v: u32| Vec3::from(mesh.positions()[v as usize]).as_dvec3();
+    let area = |&[a, b, c]: &[u32; 3]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length();
+    let (sum, count) = (mesh.triangles().iter().map(area).sum::<f64>(), mesh.triangles().len() as f64);
+    let length = (4.0 / 3f64.sqrt() * sum / count).sqrt() / mesh.diagonal();
+    if length.is_finite() { length } else { 0.0 }
+}
 
 /// The distance on the surface that one unit of a set of texture coordinates covers on average, as a share of the diagonal; 0 where
 /// that makes no sense.

@@ -156,8 +156,8 @@ impl Row {
     fn print(&self, first: bool) {
         if first {
             println!(
-                "{:<40} {:>9} {:>8} {:>6} {:>8} {:>10} {:>5} {:>5} {:>8}  {}",
-                "model", "triangles", "left", "%", "max %", "reported %", "flip", "bad", "ms", "stuck by"
+                "{:<40} {:>9} {:>8} {:>6} {:>8} {:>10} {:>5} {:>5} {:>8}  stuck by",
+                "model", "triangles", "left", "%", "max %", "reported %", "flip", "bad", "ms"
             );
         }
         println!(
