@@ -44,7 +44,6 @@ fn by_shape() -> Simplifier {
 
 /// Border of triangles as a chain: how much more often the edge from the lower to the higher point is run through in
 /// this direction than in the other. Triangles are corners by point.
-
 fn border(triangles: impl Iterator<Item = [u32; 3]>) -> BTreeMap<[u32; 2], i32> {
     let edges = triangles.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
     chain(edges.map(|edge| (edge, 1)))
