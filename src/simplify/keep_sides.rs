@@ -36,7 +36,8 @@ fn keep(positions: &[[f32; 3]], triangles: &[[u32; 3]], before: &[f32], after: &
         let mut any = false;
         for &t in triangles {
             let was = side(t.map(|v| at(before, v)));
-            if was != 0 && side(t.map(|v| at(after, v))) != was || pass == PASSES {
+            // One that had lost its side could come back on the other.
+            if side(t.map(|v| at(after, v))) != was || pass == PASSES {
                 any |= t.iter().any(|&v| !back[v as usize]);
                 t.iter().for_each(|&v| back[v as usize] = true);
             }
@@ -80,5 +81,15 @@ mod tests {
             keep_sides(&positions, &triangles, &before, &mut after);
             assert_eq!(after, uv(expected, [8.0, 7.0]));
         }
+    }
+
+    /// One that was a line before stays one, whatever the fit says.
+    #[test]
+    fn a_line_gets_no_side() {
+        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        let uv = |middle: [f32; 2]| vec![Attribute::floats(names::UV, &[[0.0, 0.0], middle, [4.0, 0.0]])];
+        let mut after = uv([2.0, 1.0]);
+        keep_sides(&positions, &[[0, 1, 2]], &uv([2.0, 0.0]), &mut after);
+        assert_eq!(after, uv([2.0, 0.0]));
     }
 }
