@@ -27,7 +27,7 @@ use multires::adapt::{LevelOfDetail, Refinements};
 use multires::hierarchy::{Dependencies, HierarchyBuild, HierarchyLod, HierarchyParts, VertexHierarchy};
 use multires::io::{self, Format};
 use multires::mesh::{Mesh, shapes};
-use multires::simplify::{AttributeWeights, CollapseSequence, Simplifier};
+use multires::simplify::{CollapseSequence, Simplifier};
 use multires::view::{Answer, Bounds, Criterion, Motion};
 
 const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
@@ -35,12 +35,6 @@ const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent,
 const FRAMES: [usize; 6] = [0, 200, 320, 399, 460, 540];
 /// Triangles thinner than this share of the square of their longest edge have no normal worth the name.
 const FLAT: f64 = 1e-6;
-
-/// Sequences of the shape alone: where attributes steer, more triangles turn over between a split and the next without
-/// dependencies (horse: 0.31 % of those in front).
-fn by_shape() -> Simplifier {
-    Simplifier::new().attributes(AttributeWeights::Off)
-}
 
 /// Border of triangles as a chain: how much more often the edge from the lower to the higher point is run through in
 /// this direction than in the other. Triangles are corners by point.
@@ -198,7 +192,7 @@ fn at_most(count: usize, percent: f64) -> usize {
 /// levels of as many triangles as are drawn without dependencies.
 fn check(name: &str, mesh: &Mesh) -> [Flips; 4] {
     let mut sums = [Flips::default(); 4];
-    let sequence = by_shape().run(mesh).unwrap();
+    let sequence = Simplifier::new().run(mesh).unwrap();
     let model = Model::new(name, mesh, &sequence);
     let path = approach(DVec3::Y);
     for (policy, dependencies) in POLICIES.into_iter().enumerate() {
@@ -287,7 +281,7 @@ fn shapes_keep_their_surface_from_everywhere() {
 /// Splits done one after the other in any order that needs allow: each finds its vertices in the very stars that its
 /// collapse left in the sequence.
 fn replays_the_stars(mesh: &Mesh, seed: u64) {
-    let sequence = by_shape().run(mesh).unwrap();
+    let sequence = Simplifier::new().run(mesh).unwrap();
     let built = VertexHierarchy::build(mesh, &sequence, Dependencies::Neighbours).unwrap();
     let hierarchy = Arc::new(numbered(built.hierarchy.clone()));
     let history = History::new(&sequence);

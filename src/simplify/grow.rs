@@ -437,14 +437,25 @@ impl View {
     }
 }
 
-/// The least whole number not below `x`.
+/// The least whole number not below `x`. An edge that hardly rises goes on far beyond all whole numbers.
 fn ceil(x: f64) -> i64 {
     let whole = x as i64;
-    whole + i64::from((whole as f64) < x)
+    whole.saturating_add(i64::from((whole as f64) < x))
 }
 
 /// The largest whole number not above `x`.
 fn floor(x: f64) -> i64 {
     let whole = x as i64;
-    whole - i64::from(whole as f64 > x)
+    whole.saturating_sub(i64::from(whole as f64 > x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_beyond_all_are_the_last() {
+        assert_eq!([0.5, -0.5, 2.0, 1e300, f64::INFINITY].map(ceil), [1, 0, 2, i64::MAX, i64::MAX]);
+        assert_eq!([0.5, -0.5, 2.0, -1e300, f64::NEG_INFINITY].map(floor), [0, -1, 2, i64::MIN, i64::MIN]);
+    }
 }

@@ -144,7 +144,7 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// Whether seams, creases and material borders may give, and when. Default: [`Permissive::Auto`], before a size is
+    /// Whether seams, creases, material borders and the topology may give, and when. Default: [`Permissive::Auto`], before a size is
     /// missed.
     #[must_use]
     pub fn permissive(mut self, permissive: Permissive) -> Self {
