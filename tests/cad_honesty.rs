@@ -12,6 +12,9 @@ use multires::simplify::{ErrorMeasure, Simplifier};
 /// Creases: a cosine of 3/4, as the simplifier counts them.
 const CREASE: f64 = 0.75;
 
+/// A ring whose ramps are as short as relief: its creases are not told from that, and not followed.
+const RELIEF: u32 = 46;
+
 /// One level: what is said of it and what was found, object units.
 struct Level {
     what: String,
@@ -22,11 +25,10 @@ struct Level {
 
 fn levels(parts: impl Iterator<Item = u32>, measure: ErrorMeasure) -> Vec<Level> {
     let mut levels = Vec::new();
-    // A ring whose ramps are as short as relief: its creases are not told from that, and not followed.
-    for seed in parts.filter(|&seed| seed != 46) {
+    for seed in parts {
         let mesh = shapes::cad_part(seed);
         let sequence = Simplifier::new().error_measure(measure).run(&mesh).unwrap();
-        let input = Input::new(&mesh, CREASE);
+        let input = Input::new(&mesh, if seed == RELIEF { -2.0 } else { CREASE });
         for percent in [60, 30, 15, 7] {
             let steps = sequence.steps_for_triangles(mesh.triangles().len() * percent / 100);
             let apart = input.apart(&sequence, steps);
@@ -62,7 +64,7 @@ fn assert_honest(levels: &[Level], near: f64) {
     for level in levels {
         let slack = 2e-6 * level.diagonal;
         // The worst known but one: a ring with ramps, 1.31 times as far.
-        assert!(level.found <= 1.35 * level.said + slack, "{}", level.what);
+        assert!(level.found <= 1.3 * level.said + slack, "{}", level.what);
     }
     let share = close as f64 / levels.len() as f64;
     eprintln!("{close} of {}", levels.len());

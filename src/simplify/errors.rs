@@ -134,8 +134,8 @@ impl Errors {
 }
 
 impl Watch {
-    /// The distances of surface and curves with that of the level's new triangles from the input, next to curves and on
-    /// small meshes.
+    /// The distances of surface and curves with that of the level's new triangles from the input, next to curves, on
+    /// small meshes and on coarse levels.
     #[inline]
     fn with_way_back(
         &self,
@@ -145,13 +145,14 @@ impl Watch {
         x: Vec3,
         [apart, curve]: [f32; 2],
     ) -> Deviation {
-        // Nothing is covered anew around a point inside, nor where all that was there lies on what comes.
-        let covers = self.curves.concerns(surface, pair, x) || surface.is_small();
+        // The small triangles of a fine level cover nothing anew around a point inside, nor does any where all that was
+        // there lies on what comes.
+        let covers = self.curves.concerns(surface, pair, x) || surface.is_coarse();
         if !covers || apart.max(curve) <= ROUNDING {
             return Deviation::new(apart, curve);
         }
         let known = (apart * apart).max(curve * curve).max(self.surface.largest()).max(ROUNDING * ROUNDING);
-        let on = |triangle: u32, visit: &mut dyn FnMut(u32)| self.surface.on_triangle(triangle, visit);
+        let on = |triangle: u32, place: Vec3| self.surface.nearest_on(triangle, place);
         let back = self.back.farthest(surface, patch, pair, x, known, on);
         Deviation::new(if back > known { back.sqrt() } else { apart }, curve)
     }

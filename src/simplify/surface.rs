@@ -69,6 +69,8 @@ impl Frame {
 
 /// Most triangles of a mesh that is small: what lies between its points is worth a look, and costs milliseconds.
 const SMALL: usize = 4096;
+/// Levels of at most one in so many triangles are coarse.
+const COARSE: usize = 8;
 
 /// One triangle as seen from a point: the point is its first corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -412,6 +414,12 @@ impl Surface {
     /// Whether the input has so few triangles that each may be looked at many times.
     pub(super) fn is_small(&self) -> bool {
         self.triangles.len() <= SMALL
+    }
+
+    /// Whether so few triangles are left that the middle of one may be far from every point that lies over it.
+    #[inline]
+    pub(super) fn is_coarse(&self) -> bool {
+        self.live <= SMALL.max(self.triangles.len() / COARSE)
     }
 
     /// The curves, as they are now.

@@ -1,28 +1,35 @@
-//! How far a level lies from the input, next to curves and on small meshes: points on its new triangles, held against the input's triangles.
+//! How far a level lies from the input: places on its new triangles, held against the input's triangles. Next to curves, on
+//! small meshes, and once few triangles are left.
 //!
 //! ```text
 //!      .---.---.---.---.       A wall between two rims has no point of its own: all of them are on the rims. What lies
 //!      |  /|  /|  /|  /|       between is told by the level's triangles only, whose diagonals cut through the round.
 //!      '---'---'---'---'
+//!
+//!         ._________.          A large triangle that spans a hollow is far from the input, though every point of the
+//!       _/ \_     _/ \_        input is near to some triangle.
+//!             \_/
 //! ```
 //!
-//! The nearest triangle of the input is found by walking from the corners to whatever neighbour is nearer: its distance is
-//! never less than that of the nearest, and where it is less than what is known of the level already nothing is looked at
-//! any further.
+//! The nearest triangle of the input is found by walking from a point that lies over the new triangle, or its corners, to
+//! whatever neighbour is nearer: its distance is never less than that of the nearest, and where it is less than what is
+//! known of the level already nothing is looked at any further.
 
 use glam::Vec3;
 
 use crate::mesh::NONE;
 
 use super::metric::Pair;
-use super::patch::Patch;
+use super::patch::{Facet, Patch};
 use super::surface::Surface;
 
 /// Points with more triangles are not looked around.
 const HUB: u32 = 64;
-/// Where on a new triangle is looked, as shares of its sides from the merged point: in the middle of both sides and inside,
-/// and where one of these is far from the input, also between them.
+/// Where on a new triangle is looked, as shares of its sides from the merged point: in the middle of both sides and inside.
 const FIRST_LOOKS: [[f32; 2]; 3] = [[0.5, 0.0], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
+/// The same where no curve is near: the triangle on the other side looks at the other side.
+const FEW_LOOKS: [[f32; 2]; 2] = [[0.5, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
+/// Where one of these is far from the input, also between them.
 const LOOKS: [[f32; 2]; 7] = [
     [0.25, 0.0],
     [0.75, 0.0],
@@ -32,8 +39,12 @@ const LOOKS: [[f32; 2]; 7] = [
     [2.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0],
 ];
+/// The ways from a place to others in its triangle, along and across the sides.
+const AROUND: [[f32; 2]; 6] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
 /// Share of the squared distance known up to which a triangle is not far from the input.
 const NEAR: f32 = 0.25;
+/// How near to the farthest place is looked for it, as a share of the triangle's sides.
+const STEP: f32 = 0.03;
 /// Most new triangles that are looked at: with more, a hub moves.
 const MOST_FACETS: usize = 64;
 
@@ -47,11 +58,8 @@ pub(super) struct WayBack {
 }
 
 impl WayBack {
-    /// Of a surface that nothing was merged on yet; nothing where it has no curves and is not small. O(n).
+    /// Of a surface that nothing was merged on yet. O(n).
     pub fn new(surface: &Surface) -> Self {
-        if surface.curves().is_empty() && !surface.is_small() {
-            return Self::default();
-        }
         let points = surface.point_count() as u32;
         let mut result = Self { start: vec![0], ..Self::default() };
         for point in 0..points {
@@ -64,9 +72,10 @@ impl WayBack {
         result
     }
 
-    /// The largest squared distance of a point on the new triangles of a merge at `x` from the input, where it is more
-    /// than `known`; else that. Triangles with a corner off all curves are looked at on small meshes only: elsewhere points
-    /// of the input tell how far those are. `on`: points of the input that lie over a triangle.
+    /// The largest squared distance of a place on the new triangles of a merge at `x` from the input, where it is more
+    /// than `known`; else that. Triangles with a corner off all curves are looked at on small meshes and coarse levels only:
+    /// elsewhere points of the input tell how far those are. `on`: the point of the input nearest to a place that lies over
+    /// a triangle.
     pub fn farthest(
         &self,
         surface: &Surface,
@@ -74,48 +83,59 @@ impl WayBack {
         pair: Pair,
         x: Vec3,
         known: f32,
-        mut on: impl FnMut(u32, &mut dyn FnMut(u32)),
+        on: impl Fn(u32, Vec3) -> Option<u32>,
     ) -> f32 {
         let mut worst = known;
         let mut nearest = NONE;
+        let is_coarse = surface.is_coarse();
         let is_between = |point: u32| surface.is_small() || surface.is_on_curve(point);
         let merged = is_between(pair.kept) || is_between(pair.lost);
         for facet in patch.facets().iter().take(MOST_FACETS) {
-            let [a, b] = facet.others;
-            if !(merged && is_between(a) && is_between(b)) {
-                continue;
-            }
-            let mut look = |[along_a, along_b]: [f32; 2], enough: f32| {
-                let at = x + along_a * facet.a + along_b * facet.b;
-                let mut search = Search { back: self, at, best: f32::INFINITY, triangle: 0, enough };
-                // What was nearest to the place before is near this one.
-                if nearest != NONE {
-                    search.look_at(nearest);
-                }
-                let end = if along_a < along_b { b } else { a };
-                for point in [pair.kept, end, pair.lost, a, b] {
-                    search.look_around(point);
-                }
-                if search.best > enough {
-                    on(facet.triangle, &mut |point| search.look_around(point));
-                    search.walk();
-                }
-                if search.best.is_finite() {
+            let thorough = merged && facet.others.into_iter().all(is_between);
+            if thorough || is_coarse {
+                let look = |place: [f32; 2], enough: f32| {
+                    let at = x + place[0] * facet.a + place[1] * facet.b;
+                    let mut search =
+                        Search { back: self, at, best: f32::INFINITY, triangle: nearest, enough };
+                    search.run(pair, facet, place, &on);
                     nearest = search.triangle;
-                    search.best
-                } else {
-                    0.0
-                }
-            };
-            let near = NEAR * worst;
-            let first = FIRST_LOOKS.iter().fold(0.0f32, |far, &place| far.max(look(place, near)));
-            worst = worst.max(first);
-            if first > near {
-                worst = LOOKS.iter().fold(worst, |worst, &place| worst.max(look(place, worst)));
+                    if search.best.is_finite() { search.best } else { 0.0 }
+                };
+                worst = farthest_on_triangle(look, thorough, worst);
             }
         }
         worst
     }
+}
+
+/// The largest of what `look` finds on a triangle, where it is more than `known`; else that. `look` takes a place and a
+/// distance that is near enough.
+fn farthest_on_triangle(mut look: impl FnMut([f32; 2], f32) -> f32, thorough: bool, known: f32) -> f32 {
+    let mut farthest = (0.0, [0.0; 2]);
+    let mut try_at = |place: [f32; 2], enough: f32, farthest: &mut (f32, [f32; 2])| {
+        let found = look(place, enough);
+        if found > farthest.0 {
+            *farthest = (found, place);
+        }
+    };
+    let (first, near) = if thorough { (&FIRST_LOOKS[..], NEAR * known) } else { (&FEW_LOOKS[..], known) };
+    first.iter().for_each(|&place| try_at(place, near, &mut farthest));
+    if farthest.0 > near {
+        LOOKS.iter().for_each(|&place| try_at(place, known.max(farthest.0), &mut farthest));
+    }
+    // Between the places looked at, around the farthest, where it counts.
+    let mut step = if farthest.0 > known { 0.125 } else { 0.0 };
+    while step > STEP {
+        let [a, b] = farthest.1;
+        for [along_a, along_b] in AROUND {
+            let place = [a + step * along_a, b + step * along_b];
+            if place[0] >= 0.0 && place[1] >= 0.0 && place[0] + place[1] <= 1.0 {
+                try_at(place, farthest.0, &mut farthest);
+            }
+        }
+        step *= 0.5;
+    }
+    known.max(farthest.0)
 }
 
 /// The nearest triangle of the input to a place, as far as it is known.
@@ -128,6 +148,24 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// From the triangle that was nearest to another place, the point of the input over the new triangle that is nearest to
+    /// this one, and the corners, to whatever neighbour is nearer.
+    fn run(&mut self, pair: Pair, facet: &Facet, place: [f32; 2], on: impl Fn(u32, Vec3) -> Option<u32>) {
+        if self.triangle != NONE {
+            self.look_at(self.triangle);
+        }
+        if self.best > self.enough {
+            if let Some(point) = on(facet.triangle, self.at) {
+                self.look_around(point);
+            }
+        }
+        let [a, b] = facet.others;
+        for point in [pair.kept, if place[0] < place[1] { b } else { a }, pair.lost, a, b] {
+            self.look_around(point);
+        }
+        self.walk();
+    }
+
     fn look_around(&mut self, point: u32) {
         let [start, end] = [self.back.start[point as usize], self.back.start[point as usize + 1]];
         if end - start > HUB || self.best <= self.enough {

@@ -132,6 +132,8 @@ impl Sectors {
 const FEW_SECTORS: usize = 16;
 /// In larger ones so many groups around the direction of a witness are asked.
 const NEAR_SECTORS: usize = 4;
+/// So many points on a triangle are asked which is nearest to a place.
+const MOST_ON: usize = 32;
 /// An ear leaves its witnesses to at most this many triangles around the kept point.
 const EAR_TRIANGLES: usize = 64;
 
@@ -179,18 +181,21 @@ impl Witnesses {
         self.largest = self.largest.max(distance * distance);
     }
 
-    /// Calls `visit` with the first few points of the input that hang on a triangle.
-    pub fn on_triangle(&self, triangle: u32, mut visit: impl FnMut(u32)) {
-        let mut at = self.head[triangle as usize];
-        for _ in 0..4 {
+    /// The nearest to a place of the first points of the input that hang on a triangle.
+    pub fn nearest_on(&self, triangle: u32, place: Vec3) -> Option<u32> {
+        let (mut at, mut best, mut least) = (self.head[triangle as usize], None, f32::INFINITY);
+        for _ in 0..MOST_ON {
             if at == NONE {
                 break;
             }
-            if (at as usize) < self.merged.len() {
-                visit(at);
+            let witness = &self.points[at as usize];
+            let distance = witness.position.distance_squared(place);
+            if distance < least && (at as usize) < self.merged.len() {
+                (best, least) = (Some(at), distance);
             }
-            at = self.points[at as usize].next;
+            at = witness.next;
         }
+        best
     }
 
     /// Area per input point.

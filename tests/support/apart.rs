@@ -50,6 +50,12 @@ impl<'a> Input<'a> {
             }
             Err(_) => 0.0,
         };
+        Apart { surface, curves: self.curves_apart(sequence, steps) }
+    }
+
+    /// The curves of the level after so many steps, against the input's.
+    pub fn curves_apart(&self, sequence: &CollapseSequence, steps: usize) -> f64 {
+        let level = sequence.extract(self.mesh, steps);
         let position = |vertex: u32| match sequence.origin(vertex) {
             Origin::Input(v) => point(self.mesh.positions()[v as usize]),
             Origin::Blend(new) => point(new.position),
@@ -68,8 +74,7 @@ impl<'a> Input<'a> {
             .map(|edge| edge.map(|v| point(level.positions()[v as usize])))
             .collect();
         own.extend(&image);
-        let curves = farthest(&input, &image).max(farthest(&own, &input));
-        Apart { surface, curves }
+        farthest(&input, &image).max(farthest(&own, &input))
     }
 }
 
@@ -82,16 +87,20 @@ fn farthest(from: &[Segment], to: &[Segment]) -> f64 {
     if to.is_empty() {
         return 0.0;
     }
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut before): (f64, usize) = (0.0, 0);
     for [a, b] in from {
         for i in 0..=ALONG {
             let share = i as f64 / ALONG as f64;
             let p: Point = std::array::from_fn(|k| a[k] + share * (b[k] - a[k]));
-            let mut nearest = f64::INFINITY;
-            for segment in to {
-                nearest = nearest.min(squared_distance(p, segment));
+            // What was nearest to the place before may be near enough.
+            let mut nearest = squared_distance(p, &to[before]);
+            for (i, segment) in to.iter().enumerate() {
                 if nearest <= worst * worst {
                     break;
+                }
+                let distance = squared_distance(p, segment);
+                if distance < nearest {
+                    (nearest, before) = (distance, i);
                 }
             }
             worst = worst.max(nearest.sqrt());
@@ -108,6 +117,15 @@ fn squared_distance(p: Point, &[a, b]: &Segment) -> f64 {
     let share = if length > 0.0 { (dot(ap, ab) / length).clamp(0.0, 1.0) } else { 0.0 };
     let off: Point = std::array::from_fn(|i| ap[i] - share * ab[i]);
     dot(off, off)
+}
+
+/// Whether no attribute of two vertices differs by more than 16 bits can tell apart, a few times over.
+fn alike(mesh: &Mesh, v: u32, w: u32) -> bool {
+    mesh.attributes().iter().all(|attribute| {
+        let Some(values) = attribute.as_floats() else { return true };
+        let of = |v: u32| &values[v as usize * attribute.width()..][..attribute.width()];
+        of(v).iter().zip(of(w)).all(|(a, b)| (a - b).abs() <= 1e-4 * a.abs().max(1.0))
+    })
 }
 
 /// The edges that are borders, non-manifold, seams, between two materials, or between triangles whose normals have a lower
@@ -153,12 +171,14 @@ pub fn curves(mesh: &Mesh, cosine: f64) -> Vec<[u32; 2]> {
     }
     let is_curve = |sides: &Vec<Side>| {
         let [a, b] = &sides[..] else { return true };
-        let wedges = |side: &Side| side.vertices.map(|v| wedge_of[v as usize]);
+        let same_wedge =
+            |&(v, w): &(u32, u32)| wedge_of[v as usize] == wedge_of[w as usize] || alike(mesh, v, w);
+        let same_wedges = a.vertices.into_iter().zip(b.vertices).all(|pair| same_wedge(&pair));
         let dot: f64 = (0..3).map(|i| a.normal[i] * b.normal[i]).sum();
         let length = |n: Point| n.iter().map(|x| x * x).sum::<f64>().sqrt();
         let facing = if a.forward == b.forward { -1.0 } else { 1.0 };
         a.material != b.material
-            || wedges(a) != wedges(b)
+            || !same_wedges
             || facing * dot < cosine * length(a.normal) * length(b.normal)
     };
     edges.into_values().filter(is_curve).map(|sides| sides[0].vertices).collect()
