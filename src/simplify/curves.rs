@@ -236,20 +236,26 @@ impl Bends<'_> {
     fn for_each(
         &self,
         point: u32,
-        around: &mut Vec<(u32, u32, bool)>,
+        around: &mut Vec<u64>,
         counts: impl Fn(u32) -> bool,
         mut visit: impl FnMut(u32, f32),
     ) {
+        // The other point, the triangle, and whether it runs out to that point.
+        let entry = |other: u32, triangle: u32, out: bool| {
+            u64::from(other) << 32 | u64::from(triangle) << 1 | u64::from(out)
+        };
         around.clear();
         for corner in self.surface.star(point) {
             let [a, b] = corner.others;
-            around.extend(counts(a).then_some((a, corner.triangle, true)));
-            around.extend(counts(b).then_some((b, corner.triangle, false)));
+            around.extend(counts(a).then_some(entry(a, corner.triangle, true)));
+            around.extend(counts(b).then_some(entry(b, corner.triangle, false)));
         }
         around.sort_unstable();
-        for edge in around.chunk_by(|a, b| a.0 == b.0) {
-            let &[(other, s, out), (_, t, again)] = edge else { continue };
-            let [n, m] = [s, t].map(|t| self.normals[t as usize]);
+        for edge in around.chunk_by(|a, b| a >> 32 == b >> 32) {
+            let &[one, two] = edge else { continue };
+            let other = (one >> 32) as u32;
+            let [out, again] = [one, two].map(|entry| entry & 1 == 1);
+            let [n, m] = [one, two].map(|entry| self.normals[(entry as u32 >> 1) as usize]);
             let lengths = n.length() * m.length();
             if lengths > f32::MIN_POSITIVE {
                 let cosine = n.dot(m) / lengths;

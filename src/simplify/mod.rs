@@ -50,6 +50,7 @@ mod recorder;
 mod refit;
 mod reorder;
 mod report;
+mod sectors;
 mod sequence;
 mod sequence_build;
 mod sequence_check;

@@ -14,13 +14,9 @@
 use crate::mesh::{Edges, NONE};
 
 use super::classify::kind;
-use super::stars::Stars;
 
 /// Most different triangles of a sheet. Triangles over the same points that differ in more ways are left apart.
 const MOST_LAYERS: usize = 8;
-
-/// Up to so many triangles are compared one by one.
-const FEW: usize = 6;
 
 /// One triangle of a sheet, at the leader's corners.
 #[derive(Debug, Clone, Copy, Default)]
@@ -53,15 +49,15 @@ pub(super) struct Sheets {
 }
 
 impl Sheets {
-    /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n), and O(k log k) around a point of valence k.
+    /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n), plus O(k log k) for k
+    /// that coincide.
     pub fn new(
         triangles: &mut [[u32; 3]],
-        stars: &Stars,
         vertices: impl Fn(u32) -> [u32; 3],
         material: impl Fn(u32) -> u32,
         points: usize,
     ) -> Self {
-        let groups = Groups::new(triangles, stars, points);
+        let groups = Groups::new(triangles);
         if groups.members.is_empty() {
             return Self::default();
         }
@@ -205,30 +201,39 @@ struct Groups {
 }
 
 impl Groups {
-    fn new(triangles: &[[u32; 3]], stars: &Stars, points: usize) -> Self {
+    /// O(n): what shares a hash with another is sorted, few where few triangles coincide.
+    fn new(triangles: &[[u32; 3]]) -> Self {
+        // Lowest, highest and middle point.
+        let key = |&[a, b, c]: &[u32; 3]| {
+            let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
+            [lowest, highest, a ^ b ^ c ^ lowest ^ highest]
+        };
+        let bits = (8 * triangles.len()).next_power_of_two().max(64).ilog2();
+        let place = |triangle: &[u32; 3]| {
+            let [a, b, c] = key(triangle).map(u64::from);
+            let hash =
+                (a | b << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ c.wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+            let place = (hash ^ hash >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd) >> (64 - bits);
+            ((place >> 6) as usize, 1u64 << (place & 63))
+        };
+        let is_live = |triangle: &&[u32; 3]| triangle[0] != NONE;
+        let [mut once, mut twice] = [(); 2].map(|()| vec![0u64; 1 << (bits - 6)]);
+        for triangle in triangles.iter().filter(is_live) {
+            let (word, bit) = place(triangle);
+            twice[word] |= once[word] & bit;
+            once[word] |= bit;
+        }
+        let shares = |triangle: &[u32; 3]| {
+            let (word, bit) = place(triangle);
+            twice[word] & bit != 0
+        };
+        let numbered = (0u32..).zip(triangles).filter(|(_, triangle)| is_live(triangle) && shares(triangle));
+        let mut alike: Vec<([u32; 3], u32)> = numbered.map(|(t, triangle)| (key(triangle), t)).collect();
+        alike.sort_unstable();
         let mut groups = Self { members: Vec::new(), end: Vec::new() };
-        let mut around: Vec<([u32; 2], u32)> = Vec::new();
-        for point in 0..points as u32 {
-            around.clear();
-            for &entry in stars.of(point) {
-                // Every triangle is listed once, at its lowest point.
-                let [a, b, c] = triangles[(entry >> 2) as usize];
-                let lowest = a.min(b).min(c);
-                if lowest == point {
-                    let highest = a.max(b).max(c);
-                    around.push(([highest, a ^ b ^ c ^ lowest ^ highest], entry >> 2));
-                }
-            }
-            let twice =
-                |(i, entry): (usize, &([u32; 2], u32))| around[..i].iter().any(|one| one.0 == entry.0);
-            if around.len() <= FEW && !around.iter().enumerate().any(twice) {
-                continue;
-            }
-            around.sort_unstable();
-            for run in around.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
-                groups.members.extend(run.iter().map(|&(_, triangle)| triangle));
-                groups.end.push(groups.members.len());
-            }
+        for run in alike.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+            groups.members.extend(run.iter().map(|&(_, triangle)| triangle));
+            groups.end.push(groups.members.len());
         }
         groups
     }

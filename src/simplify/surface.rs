@@ -70,7 +70,7 @@ impl Frame {
 /// Most triangles of a mesh that is small: what lies between its points is worth a look, and costs milliseconds.
 const SMALL: usize = 4096;
 /// Levels of at most one in so many triangles are coarse.
-const COARSE: usize = 8;
+const COARSE: usize = 16;
 
 /// One triangle as seen from a point: the point is its first corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -147,13 +147,10 @@ impl Surface {
         } else {
             mesh.triangles().iter().map(|t| t.map(|v| wedge_of[v as usize])).collect()
         };
-        let mut stars = Stars::new(&triangles, points);
         let vertices = |t: u32| mesh.triangles()[t as usize].map(|v| wedge_of[v as usize]);
         let material = |t: u32| mesh.materials().get(t as usize).copied().unwrap_or(0);
-        let sheets = Sheets::new(&mut triangles, &stars, vertices, material, points);
-        if !sheets.is_empty() {
-            stars = Stars::new(&triangles, points);
-        }
+        let sheets = Sheets::new(&mut triangles, vertices, material, points);
+        let stars = Stars::new(&triangles, points);
         let mut surface = Self {
             frame,
             positions,

@@ -19,12 +19,14 @@ use glam::Vec3;
 
 use crate::mesh::NONE;
 
+use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
+use super::sectors::{Sectors, least};
 use super::surface::Surface;
 
 /// Points with more triangles are not looked around.
-const HUB: u32 = 64;
+const HUB: usize = 64;
 /// Where on a new triangle is looked, as shares of its sides from the merged point: in the middle of both sides and inside.
 const FIRST_LOOKS: [[f32; 2]; 3] = [[0.5, 0.0], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
 /// The same where no curve is near: the triangle on the other side looks at the other side.
@@ -48,27 +50,31 @@ const STEP: f32 = 0.03;
 /// Most new triangles that are looked at: with more, a hub moves.
 const MOST_FACETS: usize = 64;
 
-/// The triangles of the input, and those around each of its points.
+/// The triangles of the input around each of its points.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WayBack {
     positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+    /// Start of every point's triangles; one more than points.
     start: Vec<u32>,
-    around: Vec<u32>,
+    /// The two other corners of each triangle around each point.
+    around: Vec<[u32; 2]>,
 }
 
 impl WayBack {
     /// Of a surface that nothing was merged on yet. O(n).
     pub fn new(surface: &Surface) -> Self {
-        let points = surface.point_count() as u32;
-        let mut result = Self { start: vec![0], ..Self::default() };
-        for point in 0..points {
+        let points = surface.point_count();
+        let mut result = Self {
+            positions: Vec::with_capacity(points),
+            start: Vec::with_capacity(points + 1),
+            around: Vec::with_capacity(3 * surface.live_triangles()),
+        };
+        result.start.push(0);
+        for point in 0..points as u32 {
             result.positions.push(surface.at(point));
-            result.around.extend(surface.star_triangles(point));
+            result.around.extend(surface.star(point).map(|corner| corner.others));
             result.start.push(result.around.len() as u32);
         }
-        let triangle = |t: u32| surface.triangle(t).unwrap_or_default();
-        result.triangles = (0..surface.triangle_count() as u32).map(triangle).collect();
         result
     }
 
@@ -86,7 +92,7 @@ impl WayBack {
         on: impl Fn(u32, Vec3) -> Option<u32>,
     ) -> f32 {
         let mut worst = known;
-        let mut nearest = NONE;
+        let mut nearest = [NONE; 3];
         let is_coarse = surface.is_coarse();
         let is_between = |point: u32| surface.is_small() || surface.is_on_curve(point);
         let merged = is_between(pair.kept) || is_between(pair.lost);
@@ -95,10 +101,9 @@ impl WayBack {
             if thorough || is_coarse {
                 let look = |place: [f32; 2], enough: f32| {
                     let at = x + place[0] * facet.a + place[1] * facet.b;
-                    let mut search =
-                        Search { back: self, at, best: f32::INFINITY, triangle: nearest, enough };
+                    let mut search = Search { back: self, at, best: f32::INFINITY, nearest, enough };
                     search.run(pair, facet, place, &on);
-                    nearest = search.triangle;
+                    nearest = search.nearest;
                     if search.best.is_finite() { search.best } else { 0.0 }
                 };
                 worst = farthest_on_triangle(look, thorough, worst);
@@ -143,7 +148,8 @@ struct Search<'a> {
     back: &'a WayBack,
     at: Vec3,
     best: f32,
-    triangle: u32,
+    /// Its corners, that first around which it was found.
+    nearest: [u32; 3],
     enough: f32,
 }
 
@@ -151,8 +157,8 @@ impl Search<'_> {
     /// From the triangle that was nearest to another place, the point of the input over the new triangle that is nearest to
     /// this one, and the corners, to whatever neighbour is nearer.
     fn run(&mut self, pair: Pair, facet: &Facet, place: [f32; 2], on: impl Fn(u32, Vec3) -> Option<u32>) {
-        if self.triangle != NONE {
-            self.look_at(self.triangle);
+        if self.nearest[0] != NONE {
+            self.look_around(self.nearest[0]);
         }
         if self.best > self.enough {
             if let Some(point) = on(facet.triangle, self.at) {
@@ -163,76 +169,36 @@ impl Search<'_> {
         for point in [pair.kept, if place[0] < place[1] { b } else { a }, pair.lost, a, b] {
             self.look_around(point);
         }
-        self.walk();
-    }
-
-    fn look_around(&mut self, point: u32) {
-        let [start, end] = [self.back.start[point as usize], self.back.start[point as usize + 1]];
-        if end - start > HUB || self.best <= self.enough {
-            return;
-        }
-        for &triangle in &self.back.around[start as usize..end as usize] {
-            self.look_at(triangle);
-            if self.best <= self.enough {
-                return;
-            }
-        }
-    }
-
-    fn look_at(&mut self, triangle: u32) {
-        let corners = self.back.triangles[triangle as usize];
-        let distance = squared_distance(corners.map(|p| self.back.positions[p as usize] - self.at));
-        if distance < self.best {
-            (self.best, self.triangle) = (distance, triangle);
-        }
-    }
-
-    /// Goes on to neighbours while they are nearer.
-    fn walk(&mut self) {
         let mut before = f32::INFINITY;
         while self.best < before && self.best > self.enough {
             before = self.best;
-            for corner in self.back.triangles[self.triangle as usize] {
-                self.look_around(corner);
-            }
+            self.nearest.into_iter().skip(1).for_each(|corner| self.look_around(corner));
         }
     }
-}
 
-/// Squared distance of the origin from a triangle.
-fn squared_distance([a, b, c]: [Vec3; 3]) -> f32 {
-    let normal = (b - a).cross(c - a);
-    let inside = |p: Vec3, q: Vec3| p.cross(q).dot(normal) >= 0.0;
-    let area = normal.length_squared();
-    if area > f32::MIN_POSITIVE && inside(a, b) && inside(b, c) && inside(c, a) {
-        let height = a.dot(normal);
-        return height * height / area;
-    }
-    let side = |p: Vec3, q: Vec3| {
-        let pq = q - p;
-        let share = -p.dot(pq) / pq.length_squared();
-        // Not a number where both ends are one.
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-        (p + pq * share).length_squared()
-    };
-    side(a, b).min(side(b, c)).min(side(c, a))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_from_a_triangle() {
-        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        for (from, distance) in [
-            (Vec3::new(0.2, 0.2, 0.5), 0.25),
-            (Vec3::new(0.5, -2.0, 0.0), 4.0),
-            (Vec3::new(1.0, 1.0, 0.0), 0.5),
-            (Vec3::new(-1.0, -1.0, 1.0), 3.0),
-        ] {
-            let found = squared_distance(triangle.map(|p| p - from));
-            assert!((found - distance).abs() < 1e-6, "{from}: {found}");
+    /// Looks at the triangles around a point, if no place is near enough yet.
+    fn look_around(&mut self, point: u32) {
+        let WayBack { positions, start, around } = self.back;
+        let range = start[point as usize] as usize..start[point as usize + 1] as usize;
+        if range.len() > HUB || self.best <= self.enough {
+            return;
+        }
+        let origin = positions[point as usize];
+        let p = Lanes::splat(self.at - origin);
+        for four in around[range].chunks(4) {
+            // Lanes without a triangle repeat the last one.
+            let others = |i: usize| four[i.min(four.len() - 1)];
+            let corner = |end: usize| Lanes::gather(|i| positions[others(i)[end] as usize] - origin);
+            let [a, b] = [corner(0), corner(1)];
+            let sectors = Sectors::new(a, b, a.cross(&b));
+            let (distance, lane) = least(sectors.heights(&p).min(sectors.sides(&p)));
+            if distance < self.best {
+                let [b, c] = others(lane);
+                (self.best, self.nearest) = (distance, [point, b, c]);
+                if distance <= self.enough {
+                    return;
+                }
+            }
         }
     }
 }

@@ -20,6 +20,7 @@ use super::angles::Angles;
 use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
+use super::sectors::Sectors;
 use super::surface::Surface;
 
 /// Which triangle each merged point lies over.
@@ -31,7 +32,7 @@ pub(super) struct Witnesses {
     head: Vec<u32>,
     /// Whether each point is a witness yet.
     merged: Vec<bool>,
-    fan: Vec<Sectors>,
+    fan: Vec<Group>,
     /// Where to look in a fan of more than [`FEW_SECTORS`].
     angles: Angles,
     facets: [Vec<Facet>; 2],
@@ -55,64 +56,24 @@ struct Witness {
     next: u32,
 }
 
-/// Four triangles of the new patch side by side, relative to the merged point's position (their first corner). A
-/// point `p` lies between a triangle's sides along a and b where its products with the two inner side normals are not
-/// negative, and over the triangle where `p . side_ab + reach` is not either. Its squared distance is then
-/// `(p . normal)^2 * inverse_area`.
+/// Up to four triangles of the new patch, relative to the merged point's position.
 #[derive(Debug, Clone, Copy)]
-struct Sectors {
-    a: Lanes,
-    b: Lanes,
-    normal: Lanes,
-    side_a: Lanes,
-    side_b: Lanes,
-    side_ab: Lanes,
-    reach: Vec4,
-    inverse_area: Vec4,
+struct Group {
+    sectors: Sectors,
     triangle: [u32; 4],
 }
 
-impl Sectors {
+impl Group {
     /// Up to four facets.
     #[inline]
     fn new(facets: &[Facet]) -> Self {
         // Lanes without a facet repeat the last one: no harm in finding it twice.
         let facet = |i: usize| &facets[i.min(facets.len() - 1)];
-        let a = Lanes::gather(|i| facet(i).a);
-        let b = Lanes::gather(|i| facet(i).b);
-        let normal = Lanes::gather(|i| facet(i).after);
-        let side_ab = normal.cross(&b.minus(&a));
-        let area = normal.dot(&normal);
-        // Without an area there is no inside.
-        let has_area = area.cmpgt(Vec4::splat(f32::MIN_POSITIVE));
+        let [a, b] = [Lanes::gather(|i| facet(i).a), Lanes::gather(|i| facet(i).b)];
         Self {
-            side_a: normal.cross(&a),
-            side_b: b.cross(&normal),
-            reach: Vec4::select(has_area, -a.dot(&side_ab), Vec4::NEG_ONE),
-            inverse_area: Vec4::ONE / area.max(Vec4::splat(f32::MIN_POSITIVE)),
-            side_ab,
-            a,
-            b,
-            normal,
+            sectors: Sectors::new(a, b, Lanes::gather(|i| facet(i).after)),
             triangle: std::array::from_fn(|i| facet(i).triangle),
         }
-    }
-
-    /// Squared distances of a point to the triangles it lies over, infinite for the others.
-    #[inline]
-    fn heights(&self, p: &Lanes) -> Vec4 {
-        let between = p.dot(&self.side_a).min(p.dot(&self.side_b));
-        let inside = between.min(p.dot(&self.side_ab) + self.reach).cmpge(Vec4::ZERO);
-        let height = p.dot(&self.normal);
-        Vec4::select(inside, height * height * self.inverse_area, Vec4::INFINITY)
-    }
-
-    /// Squared distances of a point to the triangles' sides.
-    #[inline]
-    fn sides(&self, p: &Lanes) -> Vec4 {
-        let origin = Lanes([Vec4::ZERO; 3]);
-        let spokes = origin.distance_squared(&self.a, p).min(origin.distance_squared(&self.b, p));
-        spokes.min(self.a.distance_squared(&self.b.minus(&self.a), p))
     }
 
     /// The nearer of `best` and the least of `distances`.
@@ -337,7 +298,7 @@ impl Witnesses {
         if patch.facets().len() > 4 * FEW_SECTORS {
             return self.spread_many(patch);
         }
-        self.fan.extend(patch.facets().chunks(4).map(Sectors::new));
+        self.fan.extend(patch.facets().chunks(4).map(Group::new));
         if patch.facets().is_empty() {
             // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point, near in the
             // list of its star, where triangles lie side by side that did so in the input.
@@ -346,7 +307,7 @@ impl Witnesses {
             let from = at.unwrap_or(0).saturating_sub(EAR_TRIANGLES / 2);
             let near = surface.star(pair.kept).skip(from).take(EAR_TRIANGLES);
             let around = near.filter(|corner| !corner.others.contains(&pair.lost));
-            self.fan.extend(around.map(|corner| Sectors::new(&[Facet::around(surface, corner, x)])));
+            self.fan.extend(around.map(|corner| Group::new(&[Facet::around(surface, corner, x)])));
         }
     }
 
@@ -357,7 +318,7 @@ impl Witnesses {
         facets.clear();
         facets.extend_from_slice(patch.facets());
         self.angles.sort(facets, scratch);
-        self.fan.extend(facets.chunks(4).map(Sectors::new));
+        self.fan.extend(facets.chunks(4).map(Group::new));
         self.budget = 64 * self.fan.len();
     }
 
@@ -423,8 +384,8 @@ impl Witnesses {
         }
         let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
-        for sectors in &self.fan {
-            best = sectors.least(sectors.heights(&p), best);
+        for group in &self.fan {
+            best = group.least(group.sectors.heights(&p), best);
         }
         if best.0 <= self.largest { best } else { self.nearest_of(0..self.fan.len(), point) }
     }
@@ -441,8 +402,9 @@ impl Witnesses {
     fn nearest_of(&self, groups: std::ops::Range<usize>, point: Vec3) -> (f32, u32) {
         let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
-        for sectors in &self.fan[groups] {
-            best = sectors.least(sectors.heights(&p).min(sectors.sides(&p)), best);
+        for group in &self.fan[groups] {
+            let Group { sectors, .. } = group;
+            best = group.least(sectors.heights(&p).min(sectors.sides(&p)), best);
         }
         // Where nothing is left but the merged point itself.
         if best.1 == NONE { (point.length_squared(), NONE) } else { best }

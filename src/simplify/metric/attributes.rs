@@ -58,8 +58,11 @@ impl<'a> Attributes<'a> {
     /// [`COLOR_WEIGHT`](Self::COLOR_WEIGHT); and for texture coordinates [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the
     /// distance that one unit covers on this mesh's surface.
     pub fn customary(mesh: &'a Mesh) -> Self {
-        let normals = f64::from(Self::NORMAL_WEIGHT).min(f64::from(Self::NORMAL_EDGES) * edge_length(mesh));
-        let mut all = Self::new(mesh).normals(normals as f32);
+        let mut all = Self::new(mesh);
+        if mesh.attribute(names::NORMAL).is_some() {
+            let edges = f64::from(Self::NORMAL_EDGES) * edge_length(mesh);
+            all = all.normals(f64::from(Self::NORMAL_WEIGHT).min(edges) as f32);
+        }
         for attribute in mesh.attributes() {
             let name = attribute.name();
             if names::is_set_of(name, names::UV) {
