@@ -1,7 +1,7 @@
 //! Promise: every metric sees rims: on a flat sheet corners and straight borders stay where they are, and a hole in a thin
 //! plate is not the first thing to go.
 
-use multires::mesh::{Mesh, shapes};
+use multires::mesh::{Mesh, names, shapes};
 use multires::simplify::metric::{NAMES, by_name};
 use multires::simplify::{Placement, Simplifier};
 
@@ -54,5 +54,24 @@ fn a_hole_in_a_thin_plate_stays_round() {
         let level = level(&mesh, metric, Placement::Endpoint, plain.triangles().len() * 3);
         let lost = (area(&mesh) - area(&level)).abs() / area(&mesh);
         assert!(lost < 0.002, "{metric}: {lost} of the area");
+    }
+}
+
+#[test]
+fn a_seam_between_two_colours_stays_where_it_is() {
+    // Of one colour on either side, so that neither the surface nor the colours tell where the seam lies.
+    let mesh = shapes::painted_disc(64, 12);
+    let red = |mesh: &Mesh| {
+        let colours = mesh.attribute(names::COLOR).unwrap().as_floats().unwrap();
+        let is_red = |t: &&[u32; 3]| colours[3 * t[0] as usize + 1] < 0.5;
+        let triangles: Vec<_> = mesh.triangles().iter().filter(is_red).copied().collect();
+        area(&Mesh::new(mesh.positions().to_vec(), triangles).unwrap())
+    };
+    for metric in NAMES {
+        for placement in [Placement::Endpoint, Placement::Optimal] {
+            let level = level(&mesh, metric, placement, mesh.triangles().len() / 4);
+            let lost = (red(&mesh) - red(&level)).abs() / red(&mesh);
+            assert!(lost < 0.02, "{metric}, {placement:?}: {lost} of the red");
+        }
     }
 }

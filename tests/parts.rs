@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use multires::hierarchy::{Dependencies, VertexHierarchy};
 use multires::mesh::{Mesh, Report, names, shapes};
 use multires::quality::{area, vertex_distances};
+use multires::simplify::metric::by_name;
 use multires::simplify::oracle::{Borders, LinkCondition};
 use multires::simplify::{
     Batch, CollapseSequence, ErrorMeasure, ErrorMetric, Order, Pair, Parts, Placement, ProgressiveMesh,
@@ -339,6 +340,32 @@ fn what_is_left_grows_to_cover_as_much() {
             assert!((moved(&grown) - growth.distance).abs() < 1e-4);
             let (little, less) = sequence.extract_grown(&mesh, sequence.len(), 0.01);
             assert!(moved(&little) < 0.0101 && less.distance < 0.0101);
+        }
+    }
+}
+
+#[test]
+fn metrics_of_volumes_know_what_a_part_is_worth() {
+    // Studs all over a ball: small tetrahedra, which can only go as a whole.
+    let (ball, stud) = (shapes::icosphere(5), shapes::tetrahedron());
+    let (mut positions, mut triangles) = (ball.positions().to_vec(), ball.triangles().to_vec());
+    for at in shapes::icosphere(4).positions() {
+        let first = positions.len() as u32;
+        let corner = |p: &[f32; 3]| std::array::from_fn(|i| 1.02 * at[i] + 0.004 * p[i]);
+        positions.extend(stud.positions().iter().map(corner));
+        triangles.extend(stud.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    let mesh = Mesh::new(positions, triangles).unwrap();
+    let error = |metric: &str, percent: usize| {
+        let simplifier = Simplifier::new().metric(by_name(metric).unwrap()).placement(Placement::Optimal);
+        let sequence = { simplifier }.run(&mesh).unwrap();
+        sequence.error_after(sequence.steps_for_triangles(mesh.triangles().len() * percent / 100))
+    };
+    for percent in [30, 20, 10, 5] {
+        let quadric = error("quadric", percent);
+        for metric in ["lindstrom-turk", "volume-area"] {
+            let found = error(metric, percent);
+            assert!(found < 1.5 * quadric, "{metric} at {percent} %: {found}, by quadrics {quadric}");
         }
     }
 }

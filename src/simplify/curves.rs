@@ -37,7 +37,7 @@ const HELD: u64 = 1 << 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rim {
     /// A mere seam: the surface goes on across it.
-    No,
+    Seam,
     /// The surface bends there.
     Crease,
     /// The surface ends, or becomes another: a border, a non-manifold edge, or one between materials.
@@ -78,7 +78,7 @@ impl Curves {
         found.dedup();
         let mut curves = Self::of_edges(found, surface.point_count());
         let rim = |&[u, v]: &[u32; 2]| match surface.edge_kind(u, v) {
-            Some(kind::SEAM) if !is_bent(surface, u, v) => Rim::No,
+            Some(kind::SEAM) if !is_bent(surface, u, v) => Rim::Seam,
             Some(0 | kind::SEAM) => Rim::Crease,
             _ => Rim::Edge,
         };

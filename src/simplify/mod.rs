@@ -67,7 +67,7 @@ mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
 pub use grow::Growth;
-pub use metric::{Batch, ErrorMetric, Pair};
+pub use metric::{Batch, ErrorMetric, Pair, VanishingLoss};
 pub use normals::{Normals, NormalsDone};
 pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Parts, Progress, Target};
 pub use oracle::{Collapse, Oracle, Reads};

@@ -95,6 +95,8 @@ pub(super) struct Parts {
     looks: Vec<Shape>,
     /// Area times squared distance of what vanished beside each part.
     debt: Vec<f32>,
+    /// Of all parts at first.
+    area: f32,
     /// Whether a part was joined with others.
     is_joined: Vec<bool>,
     any_joined: bool,
@@ -179,6 +181,7 @@ impl Parts {
             start,
             points: list,
             live,
+            area: shapes.iter().map(|shape| shape.area).sum(),
             looks: shapes.clone(),
             shapes,
             debt: vec![0.0; count],
@@ -221,6 +224,11 @@ impl Parts {
     /// One of the points that a part had at first.
     pub fn first_point(&self, part: u32) -> u32 {
         self.points[self.start[part as usize] as usize]
+    }
+
+    /// The area of all parts as they were at first.
+    pub fn area(&self) -> f32 {
+        self.area
     }
 
     /// What a part is like.

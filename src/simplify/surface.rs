@@ -398,13 +398,10 @@ impl Surface {
         self.kind(u) & self.kind(v) & kind::ON_CURVE != 0 && self.curves.find(u, v).is_some()
     }
 
-    /// Calls `visit` with the other end of every curve edge at a point that is a rim: no mere seam.
+    /// Calls `visit` with the other end of every curve edge at a point.
     pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32, Rim)) {
         for [edge, other] in self.curves.around(point) {
-            let rim = self.curves.rim(edge);
-            if rim != Rim::No {
-                visit(other, rim);
-            }
+            visit(other, self.curves.rim(edge));
         }
     }
 

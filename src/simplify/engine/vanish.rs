@@ -17,7 +17,7 @@ use glam::Vec3;
 use crate::mesh::NONE;
 
 use super::super::candidates::Candidate;
-use super::super::metric::{ErrorMetric, Pair};
+use super::super::metric::{ErrorMetric, Pair, VanishingLoss};
 use super::super::options::Order;
 use super::super::oracle::Collapse;
 use super::super::parts::Parts;
@@ -29,7 +29,7 @@ const REMNANT: u32 = 10;
 /// The share of its area below which a part that faces one way is a rag.
 const KEPT_AREA: f32 = 0.6;
 /// Parts of more triangles wait as if they had so many.
-const LARGE: u32 = 64;
+const LARGE: usize = 64;
 /// Points of other parts among which kin is looked for.
 const KIN: usize = 16;
 /// Points of other parts around which the nearest triangle is looked for.
@@ -93,14 +93,19 @@ impl<M: ErrorMetric> Engine<'_, M> {
     /// compare with the metric's costs.
     fn loss_cost(&self, parts: &Parts, part: u32, loss: f32) -> Option<f32> {
         let point = parts.first_point(part);
-        let rate = match self.metric.cost_per_deviation(&self.surface, Pair { lost: point, kept: point }) {
-            Some(_) if self.is_symmetric() => SUMMED_RATE,
-            Some(rate) => rate,
-            None if self.vanishing.is_last => 1.0,
-            None => return None,
+        let triangles = parts.live(part) as usize;
+        let cost = match self.metric.cost_per_deviation(&self.surface, Pair { lost: point, kept: point }) {
+            Some(_) if self.is_symmetric() => SUMMED_RATE * loss,
+            Some(rate) => rate * loss,
+            None => {
+                let mean_area = parts.area() / self.surface.live_triangles().max(1) as f32;
+                let lost =
+                    VanishingLoss { integral: loss, area: parts.shape(part).area, triangles, mean_area };
+                self.metric.vanishing_cost(lost).or(self.vanishing.is_last.then_some(loss))?
+            }
         };
-        let pairs = 0.5 * parts.live(part).clamp(1, LARGE) as f32;
-        let cost = rate * loss / pairs;
+        let pairs = 0.5 * triangles.clamp(1, LARGE) as f32;
+        let cost = cost / pairs;
         Some(if cost >= 0.0 { cost } else { f32::MAX })
     }
 

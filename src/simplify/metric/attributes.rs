@@ -16,7 +16,10 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions};
+use super::{
+    AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions,
+    VanishingLoss,
+};
 use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
@@ -718,6 +721,10 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
 
     fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
         self.metric.cost_per_deviation(surface, pair)
+    }
+
+    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
+        self.metric.vanishing_cost(loss)
     }
 
     fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {

@@ -148,6 +148,13 @@ pub trait ErrorMetric: Send + Sync {
         None
     }
 
+    /// What it costs that a part of the surface vanishes, where that compares with this metric's costs but is no matter of
+    /// [`cost_per_deviation`](ErrorMetric::cost_per_deviation).
+    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
+        let _ = loss;
+        None
+    }
+
     /// What attributes that are off cost here, in this metric's own unit: the exchange rate of [`WithAttributes`]. By
     /// default squared deviations times area, at the rate of [`cost_per_deviation`](ErrorMetric::cost_per_deviation)
     /// where there is one: the sum counts every triangle at its three corners with twice its area, which is six times
@@ -190,6 +197,20 @@ pub trait ErrorMetric: Send + Sync {
     fn dependence(&self) -> Dependence {
         Dependence::Triangles
     }
+}
+
+/// What is lost where a part of the surface vanishes, inner units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct VanishingLoss {
+    /// The integral of squared distance from what is left over the part's area.
+    pub integral: f32,
+    /// The part's area.
+    pub area: f32,
+    /// How many triangles it has.
+    pub triangles: usize,
+    /// The mean area of a triangle of the whole surface as it is now.
+    pub mean_area: f32,
 }
 
 /// What the cost of a pair depends on, besides where its points are.
@@ -237,6 +258,9 @@ macro_rules! pass_on {
             }
             fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
                 (**self).cost_per_deviation(surface, pair)
+            }
+            fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
+                (**self).vanishing_cost(loss)
             }
             fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
                 (**self).attribute_cost(surface, pair, off)

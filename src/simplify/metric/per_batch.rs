@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::{
     AttributeQuadric, AttributeSum, Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions,
+    VanishingLoss,
 };
 use crate::simplify::surface::Surface;
 
@@ -77,6 +78,10 @@ impl ErrorMetric for PerBatch {
 
     fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
         self.current.cost_per_deviation(surface, pair)
+    }
+
+    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
+        self.current.vanishing_cost(loss)
     }
 
     fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {

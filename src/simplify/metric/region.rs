@@ -93,8 +93,7 @@ pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl Fn
 }
 
 /// Calls `visit` with the ends of every rim at either point that the collapse moves, each once: borders, non-manifold
-/// edges, borders between materials and creases, but no seams across which the surface goes on. The edge between the two
-/// is among them where it is one.
+/// edges, borders between materials, creases and seams. The edge between the two is among them where it is one.
 pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3, Rim)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if surface.is_on_curve(point) {
@@ -107,11 +106,17 @@ pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec
     }
 }
 
-/// The area that rims sweep when both points go to `x`; those of the kept point sweep none where that stays.
+/// Weight of the areas that seams sweep: enough that none slides over a flat face of one colour on either side.
+const SEAM: f64 = 0.1;
+
+/// The area that rims sweep, seams a tenth of theirs, when both points go to `x`; those of the kept point sweep none where that stays.
 pub(super) fn swept_by_rims(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
-        for_rims(surface, pair, |p, q, _| sum += (p - x).cross(q - x).length());
+        for_rims(surface, pair, |p, q, rim| {
+            let weight = if rim == Rim::Seam { SEAM } else { 1.0 };
+            sum += weight * (p - x).cross(q - x).length();
+        });
     }
     0.5 * sum
 }

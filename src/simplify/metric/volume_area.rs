@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use super::region::{
     Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
 use crate::simplify::surface::Surface;
 
 /// The penalty of TOM: volume and area change, made for [`Placement::Endpoint`](crate::simplify::Placement::Endpoint).
@@ -101,6 +101,15 @@ impl ErrorMetric for VolumeArea {
     /// The volume between the surface and one that is off by as much to one side: swept, and as a signed change.
     fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
         finite((1.0 + SIGNED) * off.volume())
+    }
+
+    /// The volume between the part and what is left, if its triangles were as large as the geometric mean of their own area
+    /// and the surface's mean. By their own area alone small parts cost next to nothing; by the other alone they wait until
+    /// all go at once.
+    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
+        let distance = (f64::from(loss.integral) / f64::from(loss.area)).sqrt();
+        let area = (f64::from(loss.area) * f64::from(loss.mean_area) * loss.triangles as f64).sqrt();
+        Some(finite((1.0 + SIGNED) * distance * area))
     }
 
     fn optimum_with(
