@@ -16,6 +16,7 @@
 
 mod around;
 mod finish;
+mod give;
 mod hubs;
 mod vanish;
 mod watch;
@@ -310,66 +311,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     fn is_done(&self) -> bool {
         self.limits.reached(self.surface.live_triangles(), self.recorder.live_vertices())
-    }
-
-    /// The next kind that may give, and the triangles at which it does by itself.
-    fn next_to_give(&self) -> Option<(Giving, usize)> {
-        let may = match self.permissive {
-            Permissive::Off => false,
-            Permissive::Auto => self.limits.is_sized() && self.too_far == 0,
-            Permissive::On => true,
-        };
-        let Schedule { seams, materials, topology } = self.schedule;
-        let stands_in_the_way = || {
-            let mut rules = self.oracles.iter().zip(&self.refusals);
-            topology > 0 || rules.any(|(oracle, &count)| oracle.keeps_topology() && count > 0)
-        };
-        if !may {
-            None
-        } else if self.surface.has_seams() && self.surface.holds(kind::SEAM) {
-            Some((Giving::Seams, seams))
-        } else if self.surface.has_materials() && self.surface.holds(kind::MATERIAL) {
-            Some((Giving::Materials, materials))
-        } else if self.keeps_topology && self.limits.is_sized() && stands_in_the_way() {
-            Some((Giving::Topology, topology))
-        } else {
-            None
-        }
-    }
-
-    /// Whether the next kind gives now, whatever else is left to do.
-    #[inline]
-    fn gives_now(&self) -> bool {
-        self.gives_at > 0 && self.surface.live_triangles() <= self.gives_at
-    }
-
-    /// Where nothing legal is left and the next kind was to hold until then: when it should have begun to give.
-    fn should_start_over(&self) -> Option<Schedule> {
-        let (giving, at) = self.next_to_give()?;
-        let early = self.permissive == Permissive::Auto && at == 0;
-        early.then(|| self.schedule.with(giving, self.surface.live_triangles()))
-    }
-
-    /// Lets the next kind give. Whether there is one that may.
-    fn give(&mut self) -> bool {
-        let next = self.next_to_give();
-        if let Some((giving, _)) = next {
-            self.release(giving);
-            self.gives_at = self.next_to_give().map_or(0, |(_, at)| at);
-        }
-        next.is_some()
-    }
-
-    fn release(&mut self, giving: Giving) {
-        match giving {
-            Giving::Seams => self.surface.release(kind::SEAM),
-            Giving::Materials => self.surface.release(kind::MATERIAL),
-            Giving::Topology => self.keeps_topology = false,
-        }
-        self.vanishing.is_last = false;
-        self.given.resize(self.recorder.steps(), 0);
-        // Later steps stay behind earlier ones, though costs start again.
-        self.first_rank = self.ranks.iter().max().map_or(0, |&last| last + 1);
     }
 
     fn begin_batch(&mut self, index: usize) {
@@ -799,11 +740,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         for &watcher in &self.watchers {
             self.oracles[watcher].changed(&self.surface, kept, &self.dead);
         }
-    }
-
-    /// Whether something gives that held at first.
-    pub(super) fn may_give_up(&self) -> bool {
-        !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL) && self.keeps_topology)
     }
 
     /// Does a collapse whose patch is in `self.patch`.
