@@ -30,6 +30,45 @@ pub enum MeshError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// Indices that make no whole number of triangles.
+    #[error("{indices} indices are not three a triangle")]
+    OddIndices {
+        /// How many indices there are.
+        indices: usize,
+    },
+    /// A range of a material that is out of bounds, cuts triangles in two, or overlaps another.
+    #[error("range {range} of indices ({start}..{end}) is not one of whole triangles of its own")]
+    MaterialRange {
+        /// The number of the range.
+        range: usize,
+        /// Its first index.
+        start: usize,
+        /// One behind its last index.
+        end: usize,
+    },
+    /// A triangle that no range of a material covers.
+    #[error("triangle {triangle} is in no range of a material")]
+    NoMaterial {
+        /// Index of the triangle.
+        triangle: usize,
+    },
+    /// Values of two vertices that differ, where the mesh said that the vertices are one.
+    #[error(
+        "vertices {} and {} are one in the mesh, but their values differ: tell them apart by Mesh::from_vertices or an \
+         attribute",
+        vertices[0],
+        vertices[1]
+    )]
+    Folded {
+        /// The first two.
+        vertices: [u32; 2],
+    },
+    /// Values of vertices that collapses have made, which only a blend of others can give.
+    #[error("{count} vertices were made by collapses: their values need a blend")]
+    NewVertices {
+        /// How many there are.
+        count: usize,
+    },
     /// More vertices or triangles than the structures can number.
     #[error("{count} {what} are more than the {limit} supported")]
     TooMany {

@@ -8,7 +8,7 @@
 //! use multires::{Level, Simplifier, TotallyOrderedMesh, mesh::shapes};
 //!
 //! // Once, offline or when loading.
-//! let mesh = shapes::demo(); // or Mesh::new(positions, triangles)?, or io::read(path)?
+//! let mesh = shapes::demo(); // or Mesh::from_vertices(&vertices, &indices, |v| v.position)?, or io::read(path)?
 //! let sequence = Simplifier::new().run(&mesh)?; // every collapse, cheapest first
 //! let built = TotallyOrderedMesh::build(&mesh, &sequence)?; // every level of detail, in one order
 //! let vertices = built.arrange(mesh.positions())?; // upload once

@@ -7,8 +7,10 @@
 //!                                                                            one level lies together
 //! ```
 
+use bytemuck::NoUninit;
+
 use crate::error::MeshError;
-use crate::mesh::{Mesh, NONE};
+use crate::mesh::{Mesh, NONE, check_folded};
 use crate::simplify::lineage::Lineage;
 use crate::simplify::{CollapseSequence, NewVertex, Origin};
 
@@ -39,9 +41,26 @@ pub struct HierarchyBuild {
     pub new_vertices: Vec<NewVertex>,
     /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
     pub snaps: Vec<[u32; 2]>,
+    /// Duplicates that nothing in the mesh tells apart, as `[duplicate, kept]`: those of the sequence's
+    /// [aliases](CollapseSequence::aliases) whose values must be the same.
+    pub folded: Vec<[u32; 2]>,
 }
 
 impl HierarchyBuild {
+    /// Values of the input's vertices in the order of the structure, where collapses have made no new ones. O(n).
+    ///
+    /// # Errors
+    /// As many values as input vertices are needed. There are new vertices ([`MeshError::NewVertices`]: see
+    /// [`arrange_with`](Self::arrange_with)). Vertices that nothing in the mesh told apart differ ([`MeshError::Folded`]): a
+    /// seam would be lost.
+    pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, MeshError> {
+        if !self.new_vertices.is_empty() {
+            return Err(MeshError::NewVertices { count: self.new_vertices.len() });
+        }
+        check_folded(values, &self.folded)?;
+        self.arrange_with(values, |kept, _, _| *kept)
+    }
+
     /// Values of the input's vertices in the order of the structure; `blend` makes those of new vertices from two others
     /// and the share of the second. O(n).
     ///
@@ -166,6 +185,7 @@ impl VertexHierarchy {
             input_vertices: sequence.input_vertices(),
             new_vertices: sequence.new_vertices().to_vec(),
             snaps: sequence.snaps().to_vec(),
+            folded: sequence.folded(mesh),
         })
     }
 }

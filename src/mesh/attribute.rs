@@ -17,6 +17,10 @@ pub mod names {
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
 
+    /// The lowest vertex equal to each, 1 unsigned integer: what [`Mesh::from_vertices`](crate::Mesh::from_vertices) tells
+    /// vertices at one position apart by.
+    pub const VERTEX: &str = "vertex";
+
     /// Whether a name is that of the first set or of a further one: `uv`, `uv1`, `uv2` and so on.
     pub fn is_set_of(name: &str, first: &str) -> bool {
         name.strip_prefix(first).is_some_and(|number| number.bytes().all(|c| c.is_ascii_digit()))
@@ -80,6 +84,22 @@ impl Attribute {
     /// A float attribute from arrays of `WIDTH` floats, one per vertex.
     pub fn floats<const WIDTH: usize>(name: impl Into<String>, values: &[[f32; WIDTH]]) -> Self {
         Self::new(name, WIDTH, AttributeValues::Float(values.as_flattened().to_vec()))
+    }
+
+    /// A float attribute of `WIDTH` floats a vertex, taken from vertices of any type.
+    ///
+    /// ```
+    /// use multires::mesh::{Attribute, names};
+    /// let vertices = [([0.0, 0.0, 0.0], [0.0, 1.0]), ([1.0, 0.0, 0.0], [1.0, 1.0])];
+    /// let uv = Attribute::of(names::UV, &vertices, |(_, uv)| *uv);
+    /// assert_eq!(uv.as_floats(), Some([0.0, 1.0, 1.0, 1.0].as_slice()));
+    /// ```
+    pub fn of<V, const WIDTH: usize>(
+        name: impl Into<String>,
+        vertices: &[V],
+        value: impl Fn(&V) -> [f32; WIDTH],
+    ) -> Self {
+        Self::new(name, WIDTH, AttributeValues::Float(vertices.iter().flat_map(value).collect()))
     }
 
     /// The name, unique in its mesh.

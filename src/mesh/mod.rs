@@ -14,6 +14,7 @@
 //! | `midpoints.rs` | vertices in the middle of two others, and normals from the triangles |
 //! | `near.rs` | positions that nearly coincide: [`Mesh::welded`] |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
+//! | `vertices.rs` | a mesh from the vertex and index buffers that an engine draws |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
 mod adjacency;
@@ -29,6 +30,7 @@ mod report;
 pub mod shapes;
 mod tolerances;
 mod topology;
+mod vertices;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
@@ -38,6 +40,8 @@ pub(crate) use near::{border_twins, rounding};
 pub use report::Report;
 pub use tolerances::Tolerances;
 pub use topology::Topology;
+pub use vertices::Index;
+pub(crate) use vertices::check_folded;
 
 pub(crate) use blend::Blender;
 
@@ -74,7 +78,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh from positions (object units) and triangles (vertex indices, counter-clockwise seen from outside).
+    /// A mesh from positions (object units) and triangles (vertex indices, counter-clockwise seen from outside), for those who
+    /// have both apart. Vertices at the same position are one unless an attribute tells them apart: where a seam duplicates
+    /// vertices, say so by [`Mesh::with_attribute`], or take [`Mesh::from_vertices`], which compares whole vertices.
+    ///
+    /// ```
+    /// use multires::Mesh;
+    /// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(positions, [[0, 1, 2]])?;
+    /// assert_eq!(mesh.indices(), [0, 1, 2]);
+    /// # Ok::<(), multires::MeshError>(())
+    /// ```
     ///
     /// # Errors
     /// The first non-finite position, index out of range, or element count beyond [`MAX_ELEMENTS`]. O(n).

@@ -172,13 +172,17 @@ fn hash(words: [u32; 3]) -> u64 {
 }
 
 /// Multiply and fold the halves: every input bit reaches the low output bits.
-fn mix(x: u64) -> u64 {
+pub(super) fn mix(x: u64) -> u64 {
     let product = u128::from(x ^ 0x9e37_79b9_7f4a_7c15) * 0xd6e8_feb8_6659_fd93_u128;
     (product as u64) ^ (product >> 64) as u64
 }
 
 /// For every item the lowest item equal to it: open addressing over a table of at least twice the items.
-fn group(count: usize, hash: impl Fn(usize) -> u64, same: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+pub(super) fn group(
+    count: usize,
+    hash: impl Fn(usize) -> u64,
+    same: impl Fn(usize, usize) -> bool,
+) -> Vec<u32> {
     let mask = (count * 2).next_power_of_two().max(2) - 1;
     let mut table = vec![NONE; mask + 1];
     (0..count)

@@ -130,6 +130,16 @@ impl CollapseSequence {
         &self.aliases
     }
 
+    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept.
+    pub(crate) fn folded(&self, mesh: &Mesh) -> Vec<[u32; 2]> {
+        let position = |v: u32| mesh.positions()[v as usize];
+        let are_one = |&&[a, b]: &&[u32; 2]| {
+            position(a) == position(b)
+                && mesh.attributes().iter().all(|values| values.words(a) == values.words(b))
+        };
+        self.aliases.iter().filter(are_one).copied().collect()
+    }
+
     /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the
     /// other, which nearly coincides with its own ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps
     /// its attributes. None where the input has no cracks of that width.

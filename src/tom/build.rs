@@ -1,7 +1,9 @@
 //! From a collapse sequence to the total order: number vertices by reverse removal, sort triangles by when they vanish.
 
+use bytemuck::NoUninit;
+
 use crate::error::MeshError;
-use crate::mesh::{Attribute, AttributeValues, Mesh, NONE};
+use crate::mesh::{Attribute, AttributeValues, Mesh, NONE, check_folded};
 use crate::simplify::CollapseSequence;
 use crate::simplify::lineage::Lineage;
 
@@ -28,6 +30,9 @@ pub struct TomBuild {
     pub triangle_order: Vec<u32>,
     /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
     pub snaps: Vec<[u32; 2]>,
+    /// Duplicates that nothing in the mesh tells apart, as `[duplicate, kept]`: those of the sequence's
+    /// [aliases](CollapseSequence::aliases) whose values must be the same.
+    pub folded: Vec<[u32; 2]>,
 }
 
 impl TomBuild {
@@ -35,8 +40,19 @@ impl TomBuild {
     /// [`TomBuild::vertex_order`]. Positions are better arranged by [`TomBuild::positions`], which closes cracks.
     ///
     /// # Errors
+    /// As many values as input vertices are needed. Vertices that nothing in the mesh told apart differ
+    /// ([`MeshError::Folded`]): a seam would be lost.
+    pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
+        check_folded(values, &self.folded)?;
+        self.arrange_any(values)
+    }
+
+    /// The same for values of any type, which cannot be compared: where the mesh told vertices at one position apart by less
+    /// than these values do, one of them stands for all.
+    ///
+    /// # Errors
     /// As many values as input vertices are needed.
-    pub fn arrange<V: Clone>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
+    pub fn arrange_any<V: Clone>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
         self.check("values", values.len(), self.vertex_order.len())?;
         Ok(self.vertex_order.iter().map(|&v| values[v as usize].clone()).collect())
     }
@@ -66,7 +82,7 @@ impl TomBuild {
         if mesh.triangles().len() < least {
             self.check("triangles", mesh.triangles().len(), least)?;
         }
-        let locks = if mesh.locks().is_empty() { Vec::new() } else { self.arrange(mesh.locks())? };
+        let locks = if mesh.locks().is_empty() { Vec::new() } else { self.arrange_any(mesh.locks())? };
         let attributes = mesh.attributes().iter().map(|a| {
             let (width, order) = (a.width(), &self.vertex_order);
             let values = match a.values() {
@@ -152,7 +168,13 @@ impl TotallyOrderedMesh {
         tom.error_marks = error_marks(&lineage, sequence);
         debug_assert_eq!(tom.validate(), Ok(()));
         debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
-        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order, snaps: sequence.snaps().to_vec() })
+        Ok(TomBuild {
+            tom,
+            vertex_order: lineage.order,
+            triangle_order,
+            snaps: sequence.snaps().to_vec(),
+            folded: sequence.folded(mesh),
+        })
     }
 }
 

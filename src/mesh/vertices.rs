@@ -1,0 +1,131 @@
+//! A mesh from what an engine has: one array of vertices of any type, one of indices, and ranges of materials.
+
+use std::ops::Range;
+
+use bytemuck::NoUninit;
+
+use super::topology::{group, mix};
+use super::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, Topology, names};
+use crate::error::MeshError;
+
+/// An index of a vertex buffer: `u16` or `u32`.
+pub trait Index: Copy + Into<u32> {}
+
+impl Index for u16 {}
+impl Index for u32 {}
+
+impl Mesh {
+    /// A mesh from the vertex and index buffers that an engine draws: vertices of any type without padding, three indices a
+    /// triangle, counter-clockwise seen from outside. `position` gives a vertex's position in object units.
+    ///
+    /// Vertices that are equal byte for byte are one wedge, and no others: where several vertices share a position but
+    /// differ in a byte (a normal, a texture coordinate, a colour, a joint) there is a seam, which the simplifier keeps.
+    /// The mesh then has an attribute [`names::VERTEX`] that tells them apart. Its vertices are numbered as yours are.
+    ///
+    /// Values that should *count* when detail is taken away, or be fitted, are given as attributes besides
+    /// ([`Attribute::of`]).
+    ///
+    /// ```
+    /// use multires::mesh::{Attribute, Mesh, names};
+    ///
+    /// #[derive(Clone, Copy, bytemuck::NoUninit)]
+    /// #[repr(C)]
+    /// struct Vertex {
+    ///     position: [f32; 3],
+    ///     uv: [f32; 2],
+    /// }
+    ///
+    /// // Two triangles that meet at an edge where the texture does not.
+    /// let vertex = |position, uv| Vertex { position, uv };
+    /// let (a, b) = ([0.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    /// let vertices = [
+    ///     vertex([-1.0, 0.5, 0.0], [0.0, 0.5]),
+    ///     vertex(a, [0.4, 0.0]),
+    ///     vertex(b, [0.4, 1.0]),
+    ///     vertex(a, [0.6, 0.0]),
+    ///     vertex([1.0, 0.5, 0.0], [1.0, 0.5]),
+    ///     vertex(b, [0.6, 1.0]),
+    /// ];
+    /// let indices: [u16; 6] = [0, 1, 2, 3, 4, 5];
+    /// let mesh = Mesh::from_vertices(&vertices, &indices, |v| v.position)?
+    ///     .with_attribute(Attribute::of(names::UV, &vertices, |v| v.uv))?
+    ///     .with_material_ranges(&[0..3, 3..6])?;
+    /// assert_eq!(mesh.materials(), [0, 1]);
+    /// # Ok::<(), multires::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As many indices as make no whole number of triangles; what [`Mesh::new`] refuses. O(n) expected time.
+    pub fn from_vertices<V: NoUninit>(
+        vertices: &[V],
+        indices: &[impl Index],
+        position: impl Fn(&V) -> [f32; 3],
+    ) -> Result<Self, MeshError> {
+        if indices.len() % 3 != 0 {
+            return Err(MeshError::OddIndices { indices: indices.len() });
+        }
+        if vertices.len() > MAX_ELEMENTS {
+            return Err(MeshError::TooMany { what: "vertices", count: vertices.len(), limit: MAX_ELEMENTS });
+        }
+        let triangles: Vec<[u32; 3]> =
+            indices.chunks_exact(3).map(|t| [t[0].into(), t[1].into(), t[2].into()]).collect();
+        let mesh = Self::new(vertices.iter().map(position).collect::<Vec<_>>(), triangles)?;
+        let topology = Topology::new(&mesh);
+        let point_of = topology.point_of();
+        let bytes = |v: usize| bytemuck::bytes_of(&vertices[v]);
+        let first = group(
+            vertices.len(),
+            |v| hash(u64::from(point_of[v]), bytes(v)),
+            |a, b| point_of[a] == point_of[b] && bytes(a) == bytes(b),
+        );
+        let wedges = first.iter().zip(0..).filter(|&(&first, vertex)| first == vertex).count();
+        if wedges == topology.point_count() {
+            return Ok(mesh);
+        }
+        mesh.with_attribute(Attribute::new(names::VERTEX, 1, AttributeValues::Uint(first)))
+    }
+
+    /// The same mesh with materials by ranges of *indices*, as an engine's draw calls name them: the triangles of range `i`
+    /// are of material `i`.
+    ///
+    /// # Errors
+    /// A range is not one of whole triangles, or a triangle is in no range or in several. O(n).
+    pub fn with_material_ranges(self, ranges: &[Range<usize>]) -> Result<Self, MeshError> {
+        let count = self.triangles().len();
+        let mut materials = vec![u32::MAX; count];
+        for (i, range) in ranges.iter().enumerate() {
+            let refused = || MeshError::MaterialRange { range: i, start: range.start, end: range.end };
+            let whole = range.start % 3 == 0 && range.end % 3 == 0 && range.start <= range.end;
+            let triangles = range.start / 3..range.end / 3;
+            let own = materials.get_mut(triangles).filter(|_| whole).ok_or_else(refused)?;
+            if own.iter().any(|&material| material != u32::MAX) {
+                return Err(refused());
+            }
+            own.fill(i as u32);
+        }
+        match materials.iter().position(|&material| material == u32::MAX) {
+            Some(triangle) => Err(MeshError::NoMaterial { triangle }),
+            None => self.with_materials(materials),
+        }
+    }
+}
+
+/// Whether values follow the mesh that they belong to: those of vertices that were `folded` into one because nothing told them
+/// apart must not differ.
+pub(crate) fn check_folded<V: NoUninit>(values: &[V], folded: &[[u32; 2]]) -> Result<(), MeshError> {
+    let bytes = |v: u32| values.get(v as usize).map(bytemuck::bytes_of);
+    match folded.iter().find(|[duplicate, kept]| bytes(*duplicate) != bytes(*kept)) {
+        Some(&[duplicate, kept]) => Err(MeshError::Folded { vertices: [kept, duplicate] }),
+        None => Ok(()),
+    }
+}
+
+/// Of a point and the bytes of a vertex.
+fn hash(point: u64, bytes: &[u8]) -> u64 {
+    let words = bytes.chunks(8).map(|chunk| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(word)
+    });
+    words.fold(mix(point), |hash, word| mix(hash ^ word))
+}
