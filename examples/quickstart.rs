@@ -7,10 +7,12 @@
 //!
 //! Prints a table of the levels, and leaves them as PLY files and as one picture in `target/quickstart/`.
 
+#[path = "../src/bin/multires/canvas.rs"]
+mod canvas;
+#[path = "../src/bin/multires/lettering.rs"]
+mod lettering;
 #[path = "support/picture.rs"]
 mod picture;
-#[path = "support/png.rs"]
-mod png;
 #[path = "support/say.rs"]
 mod say;
 
@@ -121,7 +123,8 @@ fn run(model: Option<&Path>, out: &Path, says: &mut impl Write) -> Result<(), Bo
     }
 
     let file = out.join("levels.png");
-    png::save(picture::levels(&mesh, &levels)?, 6, &file).map_err(|error| name_file(&file, &*error))?;
+    std::fs::write(&file, picture::levels(&mesh, &levels)?.png(6)?)
+        .map_err(|error| name_file(&file, &error))?;
     writeln!(
         says,
         "\n{}: the levels within {} % of the diagonal; all of them as PLY beside it",

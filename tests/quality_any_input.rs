@@ -80,7 +80,7 @@ fn numbers_of_samples_are_checked_by_every_measure() {
             surface.texture_deviation_to(&surface, &options).unwrap_err(),
         ];
         for error in errors {
-            assert_eq!(error, QualityError::Samples { samples, limit: 1 << 32 });
+            assert_eq!(error, QualityError::Samples { samples, limit: u32::MAX as usize });
         }
     }
 }

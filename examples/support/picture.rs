@@ -1,13 +1,12 @@
 //! Levels of detail side by side in one picture, each with its triangles' edges and a caption.
 
-#[path = "../../src/bin/multires/lettering.rs"]
-mod lettering;
-
 use std::error::Error;
 
-use image::{Rgb, RgbImage};
 use multires::mesh::Mesh;
 use multires::quality::{Camera, Colours, Picture, RenderOptions, Shading, render};
+
+use super::canvas::Canvas;
+use super::lettering;
 
 /// Pixels that a level is rendered in, and that are left around what is seen of it.
 const SIZE: usize = 308;
@@ -19,7 +18,7 @@ const INK: [u8; 3] = [52, 58, 68];
 
 /// All levels from the same camera, which frames the whole mesh, in one row or two. Levels are captions and meshes,
 /// fine to coarse.
-pub fn levels(mesh: &Mesh, levels: &[(String, Mesh)]) -> Result<RgbImage, Box<dyn Error>> {
+pub fn levels(mesh: &Mesh, levels: &[(String, Mesh)]) -> Result<Canvas, Box<dyn Error>> {
     let camera = Camera::framing(mesh, [-0.55, -0.42, -1.0]);
     let colours = match mesh.materials() {
         [] => Colours::Uniform([150, 172, 200]),
@@ -43,14 +42,14 @@ pub fn levels(mesh: &Mesh, levels: &[(String, Mesh)]) -> Result<RgbImage, Box<dy
     let columns = if levels.len() > 5 { levels.len().div_ceil(2) } else { levels.len().max(1) };
     let rows = levels.len().div_ceil(columns).max(1);
     let size = [columns * cell[0], rows * cell[1] + MARGIN].map(|n| n as u32);
-    let mut sheet = RgbImage::from_pixel(size[0], size[1], Rgb(PAPER));
+    let mut sheet = Canvas::new(size[0], size[1], PAPER);
     for (number, ((caption, _), picture)) in levels.iter().zip(&pictures).enumerate() {
         let corner = [number % columns * cell[0], number / columns * cell[1]];
         let left = corner[0] + (cell[0] + low[0] - high[0]) / 2;
         for y in low[1]..high[1] {
             for x in low[0]..high[0] {
-                let pixel = Rgb(picture.pixels()[y * SIZE + x]);
-                sheet.put_pixel((left + x - low[0]) as u32, (corner[1] + MARGIN + y - low[1]) as u32, pixel);
+                let pixel = picture.pixels()[y * SIZE + x];
+                sheet.put((left + x - low[0]) as u32, (corner[1] + MARGIN + y - low[1]) as u32, pixel);
             }
         }
         let middle = [corner[0] + cell[0] / 2, corner[1] + height + CAPTION[1] / 2].map(|n| n as f32);

@@ -25,7 +25,7 @@ use super::{
 /// Samples of one unit of work. The result depends on it (the order of sums), so it never depends on the machine.
 pub(super) const CHUNK: usize = 4096;
 /// Most samples, so that sums keep their digits and a slip of the pen does not run for days.
-const MAX_SAMPLES: usize = 1 << 32;
+const MAX_SAMPLES: usize = u32::MAX as usize;
 
 /// A mesh prepared once for measuring, to measure many others against it.
 ///

@@ -1,7 +1,7 @@
 //! What tests of view-dependent refinement share: the camera path, models, and what a cut draws.
 #![allow(dead_code)]
 
-#[path = "../../examples/support/flight.rs"]
+#[path = "../support/flight.rs"]
 pub mod path;
 
 use std::path::{Path, PathBuf};

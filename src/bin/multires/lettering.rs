@@ -1,6 +1,6 @@
 //! Captions without a font file: every character is a few strokes on a grid, 6 units from the baseline to the top.
 
-use image::{Rgb, RgbImage};
+use super::canvas::Canvas;
 
 /// Pixels of one unit, and half the width of a stroke.
 const UNIT: f32 = 1.8;
@@ -169,7 +169,7 @@ pub fn length(text: &str) -> f32 {
 }
 
 /// Writes a line centred about a point, pixels from the top left.
-pub fn write(sheet: &mut RgbImage, text: &str, middle: [f32; 2], ink: [u8; 3]) {
+pub fn write(sheet: &mut Canvas, text: &str, middle: [f32; 2], ink: [u8; 3]) {
     let (mut x, baseline) = (middle[0] - 0.5 * length(text), middle[1] + 3.0 * UNIT);
     for character in text.chars() {
         let place = |p: [f32; 2]| [x + p[0] * UNIT, baseline - p[1] * UNIT];
@@ -184,7 +184,7 @@ pub fn write(sheet: &mut RgbImage, text: &str, middle: [f32; 2], ink: [u8; 3]) {
                 let at = [px as f32 + 0.5, py as f32 + 0.5];
                 let nearest = segments.iter().map(|s| distance(at, *s)).fold(f32::MAX, f32::min);
                 let cover = (HALF_STROKE + 0.5 - nearest).clamp(0.0, 1.0);
-                if let (true, Some(Rgb(pixel))) = (cover > 0.0, sheet.get_pixel_mut_checked(px, py)) {
+                if let (true, Some(pixel)) = (cover > 0.0, sheet.at(px, py)) {
                     for (value, ink) in pixel.iter_mut().zip(ink) {
                         *value = (f32::from(*value) * (1.0 - cover) + f32::from(ink) * cover) as u8;
                     }

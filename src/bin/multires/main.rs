@@ -21,6 +21,7 @@ mod adapt;
 mod advice;
 mod build;
 mod camera;
+mod canvas;
 mod extract;
 mod files;
 mod fly;

@@ -33,7 +33,7 @@ pub struct Measure {
     b: PathBuf,
     /// Sample each surface at so many points, and its edges at a quarter as many.
     #[arg(long, value_name = "N", default_value_t = 500_000,
-        value_parser = RangedU64ValueParser::<usize>::new().range(1..=1 << 32))]
+        value_parser = RangedU64ValueParser::<usize>::new().range(1..=u64::from(u32::MAX)))]
     samples: usize,
     /// Compare pictures from all sides too.
     #[arg(long)]

@@ -8,12 +8,10 @@
 //!     +-----------------------+
 //! ```
 
-use std::io::Cursor;
-
-use image::{ImageFormat, Rgb, RgbImage};
 use multires::mesh::{Attribute, Mesh, names};
 use multires::quality::{self, Camera, Colours, Picture, QualityError, RenderOptions, palette};
 
+use crate::canvas::Canvas;
 use crate::lettering;
 use crate::measure::number;
 use crate::output::{Failure, percent};
@@ -88,26 +86,24 @@ impl Painted {
             .collect();
         let views = Picture::beside(&views.map_err(Failure::input)?);
         let (width, height) = (views.width() as u32, views.height() as u32);
-        let mut sheet = RgbImage::from_pixel(width, height + STRIP, Rgb(PAPER));
-        for (pixel, &colour) in sheet.pixels_mut().zip(views.pixels()) {
-            *pixel = Rgb(colour);
+        let mut sheet = Canvas::new(width, height + STRIP, PAPER);
+        for (at, &colour) in (0..).zip(views.pixels()) {
+            sheet.put(at % width, at / width, colour);
         }
-        self.draw_scale(&mut sheet, height + TOP, mesh.diagonal());
-        let mut bytes = Cursor::new(Vec::new());
-        sheet.write_to(&mut bytes, ImageFormat::Png).map_err(Failure::input)?;
-        Ok(bytes.into_inner())
+        self.draw_scale(&mut sheet, [width, height + TOP], mesh.diagonal());
+        sheet.png(8).map_err(Failure::input)
     }
 
-    fn draw_scale(&self, sheet: &mut RgbImage, top: u32, diagonal: f64) {
+    fn draw_scale(&self, sheet: &mut Canvas, [width, top]: [u32; 2], diagonal: f64) {
         let [length, thickness] = SCALE;
-        let left = (sheet.width() - length) / 2;
+        let left = (width - length) / 2;
         for x in 0..length {
             let colour = palette::sequential(x as f32 / (length - 1) as f32);
-            (0..thickness).for_each(|y| sheet.put_pixel(left + x, top + y, Rgb(colour)));
+            (0..thickness).for_each(|y| sheet.put(left + x, top + y, colour));
         }
         for share in [0.0, 0.5, 1.0] {
             let x = left as f32 + share as f32 * (length - 1) as f32;
-            (0..5).for_each(|y| sheet.put_pixel(x as u32, top + thickness + y, Rgb(INK)));
+            (0..5).for_each(|y| sheet.put(x as u32, top + thickness + y, INK));
             let distance = share * self.most;
             let of_diagonal = format!("{} %", number(percent(distance, diagonal).unwrap_or(0.0)));
             for (line, text) in [number(distance), of_diagonal].into_iter().enumerate() {

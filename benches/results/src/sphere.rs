@@ -5,13 +5,13 @@ use std::io::Write;
 use std::sync::Arc;
 
 use glam::DVec3;
-use image::RgbImage;
 use multires::adapt::LevelOfDetail;
 use multires::mesh::Mesh;
 use multires::wavelet::{
     Drawing, ErrorBound, Triangulation, WaveletBuilder, WaveletError, WaveletLod, WaveletMesh, WaveletOptions,
 };
 
+use super::canvas::Canvas;
 use super::flight::Pose;
 use super::painted::{self, Painted};
 use super::plates::Plates;
@@ -46,7 +46,7 @@ fn pose(distance: f64) -> Pose {
 }
 
 /// How many triangles are drawn from where, and a picture from where it is as many as in the paper.
-pub fn distances(says: &mut impl Write) -> Result<RgbImage, Box<dyn Error>> {
+pub fn distances(says: &mut impl Write) -> Result<Canvas, Box<dyn Error>> {
     let ways = [
         (Triangulation::Exact, ErrorBound::Conservative),
         (Triangulation::Exact, ErrorBound::WithoutSiblings),

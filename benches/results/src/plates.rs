@@ -3,12 +3,12 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use image::RgbImage;
 use multires::adapt::LevelOfDetail;
 use multires::mesh::Mesh;
 use multires::quality::{Colours, RenderOptions, Shading, render};
 use multires::wavelet::{Drawing, Normals, WaveletLod, WaveletMesh};
 
+use super::canvas::Canvas;
 use super::flight::Pose;
 use super::outside::{self, LEGEND, Shot, camera};
 use super::painted::Painted;
@@ -85,7 +85,7 @@ impl Plates<'_> {
     }
 
     /// Full and adapted, each flat shaded and textured (Fig. 8).
-    pub fn beside(&self, pose: &Pose) -> Result<RgbImage, Box<dyn Error>> {
+    pub fn beside(&self, pose: &Pose) -> Result<Canvas, Box<dyn Error>> {
         let lod = self.adapted(pose, SIZE, self.pixels)?;
         let row = |name: &str, mesh: Mesh, textured| -> Result<Vec<Cell>, Box<dyn Error>> {
             let caption = format!("{name}, {} triangles", grouped(mesh.triangles().len()));
@@ -102,7 +102,7 @@ impl Plates<'_> {
     }
 
     /// Full, adapted, and adapted as seen from outside (Fig. 11).
-    pub fn outside(&self, pose: &Pose) -> Result<RgbImage, Box<dyn Error>> {
+    pub fn outside(&self, pose: &Pose) -> Result<Canvas, Box<dyn Error>> {
         let lod = self.adapted(pose, SIZE, self.pixels)?;
         let shot = |mesh: Mesh| Shot { mesh, pose: *pose };
         let [full, adapted] = [shot(self.mesh.finest(Normals::Kept)), shot(lod.to_mesh(Normals::Kept))];
@@ -122,7 +122,7 @@ impl Plates<'_> {
     }
 
     /// A coarse level, adapted and full, with edges and textured (Fig. 13).
-    pub fn levels(&self, pose: &Pose) -> Result<RgbImage, Box<dyn Error>> {
+    pub fn levels(&self, pose: &Pose) -> Result<Canvas, Box<dyn Error>> {
         let lod = self.adapted(pose, SIZE, self.pixels)?;
         let drawn: usize = (0..lod.groups()).map(|group| lod.triangles(group).len()).sum();
         let of = self.mesh.subdivision();

@@ -1,8 +1,8 @@
 //! A flight past a model whose triangles follow the view: fine where the camera looks, coarse behind and beside.
 //!
 //! ```text
-//! cargo run --release --example flythrough --features io                      a model that the crate makes itself
-//! cargo run --release --example flythrough --features io -- FILE [--out DIR] [--path CSV] [--up y|z] [--px N]
+//! cargo run --release -p multires-results --bin flythrough                      a model that the crate makes itself
+//! cargo run --release -p multires-results --bin flythrough -- FILE [--out DIR] [--path CSV] [--up y|z] [--px N]
 //! ```
 //!
 //! 600 frames of 1920 x 1080 pixels at 60 degrees, from three diagonals away to a tenth and back; at most N pixels (1) of
@@ -17,19 +17,6 @@
 //! The pictures are refined for their own size, so that their edges can be seen. A path of one's own has seven columns: the
 //! frame, the eye and the target, in diagonals about the middle of the model.
 
-#[path = "support/chart.rs"]
-mod chart;
-#[path = "support/flight.rs"]
-mod flight;
-#[path = "support/outside.rs"]
-mod outside;
-#[path = "support/png.rs"]
-mod png;
-#[path = "support/say.rs"]
-mod say;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -38,16 +25,17 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use chart::Panel;
-use flight::{Pose, VIEWPORT};
 use glam::DVec3;
 use multires::adapt::LevelOfDetail;
 use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
 use multires::mesh::{Mesh, shapes};
 use multires::{Simplifier, io};
-use outside::Shot;
-use say::{grouped, name_file};
-use sheet::Cell;
+use multires_results::chart::Panel;
+use multires_results::flight::{Pose, VIEWPORT};
+use multires_results::outside::Shot;
+use multires_results::say::{grouped, name_file};
+use multires_results::sheet::Cell;
+use multires_results::{chart, flight, outside, say, sheet};
 
 /// Bytes of a triangle's indices, and of a vertex (position and normal).
 const TRIANGLE: usize = 12;
@@ -151,8 +139,8 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     std::fs::write(&chart, draw(&frames)).map_err(|error| name_file(&chart, &error))?;
     let picture = out.join("frames.png");
     let shots = shots(&hierarchy, &positions, &poses, arguments.pixels)?;
-    png::save(sheet::sheet(&shots, &outside::LEGEND), 4, &picture)
-        .map_err(|error| name_file(&picture, &*error))?;
+    std::fs::write(&picture, sheet::sheet(&shots, &outside::LEGEND).png(4)?)
+        .map_err(|error| name_file(&picture, &error))?;
     writeln!(says, "\n{}, {} and {}", csv.display(), chart.display(), picture.display())?;
     Ok(())
 }

@@ -1,15 +1,12 @@
 //! How far levels of detail lie from their model: the error that the sequence reports beside the measured distance.
 //!
 //! ```text
-//! cargo run --release --example fidelity --features io -- MODEL... [--samples N]
+//! cargo run --release -p multires-results --bin fidelity -- MODEL... [--samples N]
 //! ```
 //!
 //! All in percent of the model's diagonal. `reported` is what the sequence says of the level; `out` and `back` are the
 //! largest distances from the model to the level and the other way, `mean` the mean of both directions, by samples of
 //! equal area (300,000 a mesh), corners and edges.
-
-#[path = "support/say.rs"]
-mod say;
 
 use std::error::Error;
 use std::io::Write;
@@ -18,6 +15,7 @@ use std::process::ExitCode;
 
 use multires::quality::{DistanceOptions, Surface};
 use multires::{Mesh, Simplifier, io};
+use multires_results::say;
 
 /// The levels measured, in percent of the triangles.
 const PERCENTS: [usize; 6] = [50, 25, 10, 5, 2, 1];

@@ -37,20 +37,15 @@ fn torus(rings: u32, sides: u32) -> Mesh {
 
 /// The bunny, or the demo where it cannot be had.
 fn model() -> (&'static str, Mesh) {
-    #[cfg(feature = "io")]
-    {
-        let root = std::env::var_os("MULTIRES_MODELS").map_or_else(
-            || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"),
-            std::path::PathBuf::from,
-        );
-        let path = root.join("real/stanford-bunny.ply");
-        match multires::io::read(&path) {
-            Ok(mesh) => return ("bunny", mesh),
-            Err(error) => eprintln!("quality: no bunny, the demo instead: {}: {error}", path.display()),
-        }
+    let root = std::env::var_os("MULTIRES_MODELS").map_or_else(
+        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models"),
+        std::path::PathBuf::from,
+    );
+    let path = root.join("real/stanford-bunny.ply");
+    match multires::io::read(&path) {
+        Ok(mesh) => return ("bunny", mesh),
+        Err(error) => eprintln!("quality: no bunny, the demo instead: {}: {error}", path.display()),
     }
-    #[cfg(not(feature = "io"))]
-    eprintln!("quality: no bunny without the feature io, the demo instead");
     ("demo", shapes::demo())
 }
 

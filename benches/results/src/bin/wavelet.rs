@@ -1,8 +1,8 @@
 //! Flights past meshes with subdivision connectivity: what wavelets draw, by bound, shape and triangulation, and what it looks like.
 //!
 //! ```text
-//! cargo run --release --example wavelet --features io                      a sphere of 8,192 and a terrain of 2 million triangles
-//! cargo run --release --example wavelet --features io -- FILE [--out DIR] [--path CSV] [--up y|z] [--px N] [--silhouette N]
+//! cargo run --release -p multires-results --bin wavelet                      a sphere of 8,192 and a terrain of 2 million triangles
+//! cargo run --release -p multires-results --bin wavelet -- FILE [--out DIR] [--path CSV] [--up y|z] [--px N] [--silhouette N]
 //! ```
 //!
 //! The path and the picture are those of `flythrough`. At most N pixels of error (1), and N on silhouettes (as inside); the sphere
@@ -18,43 +18,23 @@
 //! | `outside.png` | full, adapted, and adapted from outside (Fig. 11) |
 //! | `levels.png` | coarse, adapted and full, with edges and textured (Fig. 13) |
 
-#[path = "support/chart.rs"]
-mod chart;
-#[path = "support/flight.rs"]
-mod flight;
-#[path = "support/outside.rs"]
-mod outside;
-#[path = "support/painted.rs"]
-mod painted;
-#[path = "support/plates.rs"]
-mod plates;
-#[path = "support/png.rs"]
-mod png;
-#[path = "support/race.rs"]
-mod race;
-#[path = "support/say.rs"]
-mod say;
-#[path = "support/sheet.rs"]
-mod sheet;
-#[path = "support/sphere.rs"]
-mod sphere;
-
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use chart::Panel;
-use flight::{Pose, VIEWPORT};
 use glam::DVec3;
 use multires::io;
 use multires::mesh::shapes;
 use multires::wavelet::{Normals, WaveletMesh};
-use painted::{Paint, Painted};
-use plates::{COMPARED, Difference, Plates};
-use race::{Build, Frame, Racer, Way};
-use say::{grouped, name_file};
+use multires_results::chart::Panel;
+use multires_results::flight::{Pose, VIEWPORT};
+use multires_results::painted::{Paint, Painted};
+use multires_results::plates::{COMPARED, Difference, Plates};
+use multires_results::race::{Build, Frame, Racer, Way};
+use multires_results::say::{grouped, name_file};
+use multires_results::{chart, flight, painted, race, say, sphere};
 
 const USAGE: &str =
     "usage: wavelet [FILE] [--out DIR] [--path CSV] [--up y|z] [--px N] [--silhouette N] [--rounds N]";
@@ -126,7 +106,7 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     let found = sphere::distances(says)?;
     let folder = arguments.out.join(sphere.name);
     let picture = folder.join("outside.png");
-    png::save(found, 6, &picture).map_err(|error| name_file(&picture, &*error))?;
+    std::fs::write(&picture, found.png(6)?).map_err(|error| name_file(&picture, &error))?;
     writeln!(says, "{}\n", picture.display())?;
 
     let ground = shapes::terrain(TERRAIN, 3);
@@ -207,7 +187,7 @@ fn fly(model: &Model<'_>, arguments: &Arguments, says: &mut impl Write) -> Resul
         ];
         for (name, picture) in pictures {
             let file = out.join(name);
-            png::save(picture, 6, &file).map_err(|error| name_file(&file, &*error))?;
+            std::fs::write(&file, picture.png(6)?).map_err(|error| name_file(&file, &error))?;
         }
     }
     Ok(writeln!(says, "{}\n", out.display())?)

@@ -1,8 +1,8 @@
 //! Which metric, which placement, and which measure to trust: Southern's evaluation of simplification repeated.
 //!
 //! ```text
-//! cargo run --release --example study --features io                            on shapes that the crate makes itself
-//! cargo run --release --example study --features io -- MODEL... [OPTION...]    on yours: .obj .ply .stl .off .glb .gltf
+//! cargo run --release -p multires-results --bin study                            on shapes that the crate makes itself
+//! cargo run --release -p multires-results --bin study -- MODEL... [OPTION...]    on yours: .obj .ply .stl .off .glb .gltf
 //! ```
 //!
 //! Simplifies every model with eight metrics and four placements, measures levels of each (distance, volume, triangle
@@ -21,9 +21,6 @@
 //! Source: Southern, "Quality control tools for interactive rendering of 3D triangle meshes", chapter 4 and appendix B.
 //! All that is written is the same for the same input and any number of threads, except for times.
 
-#[path = "support/study/mod.rs"]
-mod study;
-
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,8 +30,9 @@ use std::str::FromStr;
 use multires::io;
 use multires::mesh::{Mesh, shapes};
 
-use study::grid::{self, Schedule};
-use study::measure::{self, Options};
+use multires_results::study;
+use multires_results::study::grid::{self, Schedule};
+use multires_results::study::measure::{self, Options};
 
 const USAGE: &str = "usage: study [MODEL...] [--out DIR] [--steps N] [--halving] [--samples N] [--views N] [--size N] \
                      [--from FILE]";

@@ -1,6 +1,6 @@
 //! Extraction of a totally ordered mesh against a plain table gather of as many indices, and cursors over small moves.
 
-#[path = "../tests/support/naive.rs"]
+#[path = "../../../tests/support/naive.rs"]
 mod naive;
 
 use std::hint::black_box;

@@ -1,17 +1,13 @@
 //! The study of metrics, placements and measures: its statistics agree with textbooks (in `statistics.rs`), its rows
 //! survive being written and read, its outcome is the same twice, and its comparisons find what is there.
-#![cfg(all(feature = "io", feature = "quality"))]
-
-#[path = "../examples/support/study/mod.rs"]
-mod study;
 
 use multires::mesh::shapes;
-use study::analysis::{comparisons, correlations};
-use study::grid::{
+use multires_results::study::analysis::{comparisons, correlations};
+use multires_results::study::grid::{
     self, CHANGE, L1, MAX, MEASURES, METRICS, METRO, MIDPOINT, OPTIMAL, PLACEMENTS, Row, SLIVER, Schedule,
     VOLUME,
 };
-use study::measure::{self, Options};
+use multires_results::study::measure::{self, Options};
 
 /// The placement between midpoint and subset.
 const ENDPOINT: usize = 1;
@@ -85,7 +81,7 @@ fn the_outcome_is_the_same_twice_and_complete() {
     let write = |name: &str| {
         let folder = folder.join(name);
         std::fs::create_dir_all(&folder).expect("a folder can be made");
-        study::write(&without_times(rows()), &folder).expect("the study can be written");
+        multires_results::study::write(&without_times(rows()), &folder).expect("the study can be written");
         let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(&folder)
             .expect("the folder is there")
             .map(|entry| {

@@ -2,16 +2,13 @@
 //! in markdown.
 //!
 //! ```text
-//! cargo run --release --example wavelet_compression --features io -- [MODEL...] [--samples N]
+//! cargo run --release -p multires-results --bin wavelet_compression -- [MODEL...] [--samples N]
 //! ```
 //!
 //! Models need subdivision connectivity; where a texture's seams cut through coarse faces, positions go alone. Without
 //! models three are made. Kept are the coefficients of largest length times norm; the base is always kept. `L2` is the
 //! root of the mean square between the same points of the surface, exact; `distance` the mean of both directions' mean
 //! distances between the surfaces, by samples (50,000 a mesh). Both in millionths of the diagonal.
-
-#[path = "support/say.rs"]
-mod say;
 
 use std::error::Error;
 use std::io::Write;
@@ -25,6 +22,7 @@ use multires::wavelet::{
     Normals, Wavelet, WaveletBuilder, WaveletMesh, WaveletOptions, WaveletTransform, l2_error,
 };
 use multires::{Mesh, io};
+use multires_results::say;
 
 /// The shares kept, in percent of the coefficients.
 const PERCENTS: [usize; 7] = [0, 1, 2, 5, 10, 20, 50];

@@ -1,0 +1,28 @@
+//! What the programs that make `docs/results` share.
+//!
+//! | program | makes |
+//! |---|---|
+//! | `study` | docs/results/simplification.md: metrics, placements and measures compared |
+//! | `flythrough` | docs/results/hierarchy.md: a flight past a vertex hierarchy |
+//! | `wavelet` | docs/results/wavelets.md: flights past wavelet meshes |
+//! | `wavelet_compression` | docs/results/wavelet-compression.md: how few coefficients do |
+//! | `fidelity` | docs/performance.md: reported errors beside measured ones |
+
+#![allow(missing_docs)]
+
+#[path = "../../../src/bin/multires/canvas.rs"]
+pub mod canvas;
+pub mod chart;
+#[path = "../../../tests/support/flight.rs"]
+pub mod flight;
+#[path = "../../../src/bin/multires/lettering.rs"]
+pub mod lettering;
+pub mod outside;
+pub mod painted;
+pub mod plates;
+pub mod race;
+#[path = "../../../examples/support/say.rs"]
+pub mod say;
+pub mod sheet;
+pub mod sphere;
+pub mod study;
