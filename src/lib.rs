@@ -45,11 +45,11 @@
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | what can be wrong with arrays that are handed in |
+//! | [`prelude`] | what most programs use; [`Error`], which every error of the crate becomes |
 //!
-//! Chapters to read at leisure are in the repository: `docs/guide/input.md`, `docs/guide/simplification.md`,
-//! `docs/guide/further.md`,
-//! `docs/guide/tom.md`, `docs/guide/hierarchy.md`, `docs/guide/wavelet.md`, `docs/guide/engine.md`,
-//! `docs/guide/quality.md`; why things are as they are in `docs/architecture.md`; figures in `docs/performance.md`.
+//! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it will not
+//! go further, the three structures, what a frame of an engine does, measuring. Why things are as they are is in
+//! `docs/architecture.md`, figures in `docs/performance.md`.
 //!
 //! # Features
 //!
@@ -75,11 +75,15 @@
 #![deny(missing_docs)]
 
 pub mod adapt;
+mod any_error;
 pub mod error;
+#[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
+pub mod guide;
 pub mod hierarchy;
 #[cfg(feature = "io")]
 pub mod io;
 pub mod mesh;
+pub mod prelude;
 #[cfg(feature = "quality")]
 pub mod quality;
 pub mod simplify;
@@ -87,6 +91,7 @@ pub mod tom;
 pub mod view;
 pub mod wavelet;
 
+pub use any_error::Error;
 pub use error::MeshError;
 pub use hierarchy::{HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
 pub use mesh::{Attribute, Mesh};
@@ -95,23 +100,5 @@ pub use tom::{Level, Resolution, TomCursor, TomMesh, TomSteps, TotallyOrderedMes
 
 /// The code in the readme and the guide is compiled and run with the tests.
 #[cfg(all(doctest, feature = "io", feature = "quality"))]
-mod chapters {
-    #[doc = include_str!("../README.md")]
-    struct Readme;
-    #[doc = include_str!("../docs/guide/input.md")]
-    struct Input;
-    #[doc = include_str!("../docs/guide/simplification.md")]
-    struct Simplification;
-    #[doc = include_str!("../docs/guide/further.md")]
-    struct Further;
-    #[doc = include_str!("../docs/guide/tom.md")]
-    struct Tom;
-    #[doc = include_str!("../docs/guide/hierarchy.md")]
-    struct Hierarchy;
-    #[doc = include_str!("../docs/guide/wavelet.md")]
-    struct Wavelet;
-    #[doc = include_str!("../docs/guide/quality.md")]
-    struct Quality;
-    #[doc = include_str!("../docs/guide/engine.md")]
-    struct Engine;
-}
+#[doc = include_str!("../README.md")]
+mod readme {}

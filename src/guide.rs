@@ -1,0 +1,40 @@
+//! The guide, a chapter a module: the same text as in `docs/guide`, compiled and run with the tests.
+//!
+//! | chapter | for |
+//! |---|---|
+//! | [`input`] | meshes, attributes, files: what goes in |
+//! | [`simplification`] | taking detail away, and what the result says of itself |
+//! | [`further`] | when it will not go further: every reason, and what helps |
+//! | [`tom`] | the totally ordered mesh: any level, any frame |
+//! | [`hierarchy`] | the vertex hierarchy: fine where a view needs it |
+//! | [`wavelet`] | wavelets on meshes made by subdivision |
+//! | [`engine`] | what a frame does, and where backends differ |
+//! | [`quality`] | measuring what a level has lost |
+
+/// Where chapters name each other, they mean the modules here.
+macro_rules! chapter {
+    ($name:ident, $file:literal) => {
+        #[doc = "[input]: crate::guide::input"]
+        #[doc = "[simplification]: crate::guide::simplification"]
+        #[doc = "[further]: crate::guide::further"]
+        #[doc = "[tom]: crate::guide::tom"]
+        #[doc = "[hierarchy]: crate::guide::hierarchy"]
+        #[doc = "[hierarchy-views]: crate::guide::hierarchy#views"]
+        #[doc = "[hierarchy-limits-and-vertices-that-do-not-jump]: crate::guide::hierarchy#limits-and-vertices-that-do-not-jump"]
+        #[doc = "[wavelet]: crate::guide::wavelet"]
+        #[doc = "[engine]: crate::guide::engine"]
+        #[doc = "[quality]: crate::guide::quality"]
+        #[doc = ""]
+        #[doc = include_str!(concat!("../docs/guide/", $file))]
+        pub mod $name {}
+    };
+}
+
+chapter!(input, "input.md");
+chapter!(simplification, "simplification.md");
+chapter!(further, "further.md");
+chapter!(tom, "tom.md");
+chapter!(hierarchy, "hierarchy.md");
+chapter!(wavelet, "wavelet.md");
+chapter!(engine, "engine.md");
+chapter!(quality, "quality.md");
