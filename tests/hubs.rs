@@ -106,6 +106,16 @@ fn fans() {
     doubles("disc", disc);
 }
 
+/// Whether the hub itself is asked about depends on costs that are all rounding, so that work does not grow evenly: it stays
+/// within so many looks a triangle.
+#[test]
+fn a_disc_of_slivers() {
+    for sides in [1000, 2000, 4000, 8000, 16_000] {
+        let work = work(&sliver_disc(sides));
+        assert!(work < 100 * u64::from(sides), "{sides}: {work}");
+    }
+}
+
 #[test]
 fn closed_fans() {
     doubles("spindle", shapes::spindle);
