@@ -9,9 +9,12 @@
 //! Vertices are wedges, so triangles around them are of the same chart; where a seam has moved, the other side of it is
 //! not taken for this one. The search is local: a place that is nearer by far across the mesh is not found, nor meant.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::mesh::{Mesh, NONE, Topology};
+
+use super::lanes::Lanes;
+use super::sectors::{Sectors, least};
 
 /// Rounds of looking around the nearest triangle so far.
 const ROUNDS: usize = 4;
@@ -36,7 +39,7 @@ pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
     let one = |t: usize| {
         let corners = mesh.triangles()[t];
         let middle = middle(mesh, corners);
-        stars.place(level, middle, corners.map(|v| number[v as usize]))
+        stars.place(middle, corners.map(|v| number[v as usize]))
     };
     let count = mesh.triangles().len();
     #[cfg(feature = "parallel")]
@@ -94,77 +97,108 @@ fn middle(mesh: &Mesh, [a, b, c]: [u32; 3]) -> DVec3 {
 }
 
 /// The triangles around every vertex of a level.
-struct Stars {
+struct Stars<'a> {
+    level: &'a Mesh,
+    /// Where positions are 0, and what makes the level's diagonal 1: so that single precision will do.
+    centre: DVec3,
+    scale: f64,
+    positions: Vec<Vec3>,
     start: Vec<u32>,
-    triangles: Vec<u32>,
+    /// Each triangle around a vertex, and its two other corners.
+    around: Vec<(u32, [u32; 2])>,
 }
 
-impl Stars {
-    fn new(level: &Mesh) -> Self {
+impl<'a> Stars<'a> {
+    fn new(level: &'a Mesh) -> Self {
         let mut start = vec![0u32; level.positions().len() + 1];
         level.indices().iter().for_each(|&v| start[v as usize + 1] += 1);
         for v in 1..start.len() {
             start[v] += start[v - 1];
         }
         let mut next = start.clone();
-        let mut triangles = vec![0; level.indices().len()];
-        for (t, corners) in level.triangles().iter().enumerate() {
-            for &v in corners {
-                triangles[next[v as usize] as usize] = t as u32;
+        let mut around = vec![(0, [0; 2]); level.indices().len()];
+        for (t, &[a, b, c]) in level.triangles().iter().enumerate() {
+            for (v, others) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+                around[next[v as usize] as usize] = (t as u32, others);
                 next[v as usize] += 1;
             }
         }
-        Self { start, triangles }
+        let [low, high] = level.bounds().unwrap_or_default().map(|p| DVec3::from_array(p.map(f64::from)));
+        let centre = low.midpoint(high);
+        let scale = 1.0 / (high - low).length().max(f64::MIN_POSITIVE);
+        let inner = |v| ((at(level, v) - centre) * scale).as_vec3();
+        let positions = (0..level.positions().len() as u32).map(inner).collect();
+        Self { level, centre, scale, positions, start, around }
     }
 
-    fn of(&self, vertex: u32) -> &[u32] {
+    /// The nearest triangle around a vertex, and its squared distance from an inner point, where that is less than `best`: of
+    /// those that the point lies over only, or with their `sides`.
+    #[inline]
+    fn nearest_around(&self, vertex: u32, point: Vec3, sides: bool, best: (f32, u32)) -> (f32, u32) {
+        let at = |v: u32| self.positions[v as usize];
+        let origin = at(vertex);
+        let p = Lanes::splat(point - origin);
         let [first, last] = [vertex, vertex + 1].map(|v| self.start[v as usize] as usize);
-        &self.triangles[first..last]
+        let mut best = best;
+        for four in self.around[first..last.min(first + MOST)].chunks(4) {
+            // Lanes without a triangle repeat the last one.
+            let one = |i: usize| four[i.min(four.len() - 1)];
+            let [a, b] = [0, 1].map(|end| Lanes::gather(|i| at(one(i).1[end]) - origin));
+            let sectors = Sectors::new(a, b, a.cross(&b));
+            let mut distances = sectors.heights(&p);
+            if sides {
+                distances = distances.min(sectors.sides(&p));
+            }
+            let (distance, lane) = least(distances);
+            if distance < best.0 {
+                best = (distance, one(lane).0);
+            }
+        }
+        best
     }
 
-    fn place(&self, level: &Mesh, point: DVec3, corners: [u32; 3]) -> Place {
-        let ends = |triangle: u32| level.triangles()[triangle as usize].map(|v| at(level, v));
+    fn place(&self, point: DVec3, corners: [u32; 3]) -> Place {
+        let ends = |triangle: u32| self.level.triangles()[triangle as usize].map(|v| at(self.level, v));
+        let placed =
+            |triangle: u32, weights: [f64; 3]| Place { triangle, weights: weights.map(|w| w as f32) };
+        let inner = ((point - self.centre) * self.scale).as_vec3();
         // Mostly the point lies close over a triangle of these, and no side need be asked.
-        let mut over = (f64::INFINITY, Place { triangle: NONE, weights: [0.0; 3] });
+        let mut best = (f32::INFINITY, NONE);
         for (i, &vertex) in corners.iter().enumerate() {
             if vertex != NONE && !corners[..i].contains(&vertex) {
-                for &triangle in self.of(vertex).iter().take(MOST) {
-                    if let Some((weights, height)) = inside(point, ends(triangle)) {
-                        if height < over.0 {
-                            over = (height, Place { triangle, weights: weights.map(|w| w as f32) });
-                        }
-                    }
+                best = self.nearest_around(vertex, inner, false, best);
+            }
+        }
+        if best.1 != NONE {
+            if let Some((weights, height)) = inside(point, ends(best.1)) {
+                if height < CLOSE {
+                    return placed(best.1, weights);
                 }
             }
         }
-        if over.0 < CLOSE {
-            return over.1;
-        }
-        let mut best = (f64::INFINITY, Place { triangle: NONE, weights: [0.0; 3] });
+        let mut best = (f32::INFINITY, NONE);
         let mut seen = [NONE; 3 * (ROUNDS + 1)];
         let mut count = 0;
         let mut around = corners;
         for _ in 0..=ROUNDS {
-            let before = best.1.triangle;
+            let before = best.1;
             for vertex in around {
                 if vertex == NONE || seen[..count].contains(&vertex) {
                     continue;
                 }
                 seen[count] = vertex;
                 count += 1;
-                for &triangle in self.of(vertex).iter().take(MOST) {
-                    let (weights, distance) = nearest(point, ends(triangle));
-                    if distance < best.0 {
-                        best = (distance, Place { triangle, weights: weights.map(|w| w as f32) });
-                    }
-                }
+                best = self.nearest_around(vertex, inner, true, best);
             }
-            if best.1.triangle == before {
+            if best.1 == before {
                 break;
             }
-            around = level.triangles()[best.1.triangle as usize];
+            around = self.level.triangles()[best.1 as usize];
         }
-        best.1
+        match best.1 {
+            NONE => placed(NONE, [0.0; 3]),
+            triangle => placed(triangle, nearest(point, ends(triangle)).0),
+        }
     }
 }
 

@@ -39,9 +39,10 @@ use super::sequence::CollapseSequence;
 /// counts as 0: an error of 0 takes away what is redundant, and nothing else. Points on borders that nothing but rounding
 /// parts ([`Tolerances::position`]) are one place from the start. Other measures: [`ErrorMeasure`].
 ///
-/// Next to curves, and everywhere on meshes of at most 4096 triangles, points on new triangles are held against the
-/// input too; else nothing is claimed between the vertices of the input, nor of the level's surface. By samples, the
-/// two-sided maximum is mostly within 10 % of the error (`docs/performance.md` in the repository has the table).
+/// Next to curves, and everywhere once one triangle in 16 is left or 4096, places on new triangles are held against the
+/// input too, so that a large triangle that spans a hollow counts; on finer levels nothing is claimed between the vertices
+/// of the input, nor of the level's surface. By samples, the two-sided maximum is mostly within 10 % of the error
+/// (`docs/performance.md` in the repository has the table).
 ///
 /// # Determinism
 /// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
