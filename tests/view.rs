@@ -87,6 +87,44 @@ proptest! {
         }
     }
 
+    /// Whatever an object is stretched and sheared by: a point of it that is in the picture and off by more than the tolerance
+    /// in the world is asked for.
+    #[test]
+    fn stretched_objects_are_never_coarser_than_asked_for(
+        camera in camera(),
+        columns in prop::array::uniform3(vector(2.0)),
+        at in vector(2.0),
+        ball in ball(),
+        off in vector(1.0),
+        samples in prop::collection::vec((vector(1.0), 0.0..1.0, 0.0..6.3, 0.0..1.0), 30),
+    ) {
+        let [x, y, z] = columns;
+        prop_assume!(dot(cross(x, y), z).abs() > 0.05);
+        let row = |v: V, last: f32| [v[0] as f32, v[1] as f32, v[2] as f32, last];
+        let object = camera.view().of_object([row(x, 0.0), row(y, 0.0), row(z, 0.0), row(at, 1.0)]).unwrap();
+        let image = |v: V| add(add(add([0.0; 3], x, v[0]), y, v[1]), z, v[2]);
+        let pixels = 240.0 / (f64::from(FOV) * 0.5).tan();
+        // By an error of the ball's, in any direction.
+        let world_off = image(unit(off).map(|c| c * ball.error));
+        for (way, depth, around, aside) in samples {
+            let (inner, normal) = ball.sample(way, depth, around, aside);
+            let point = add(image(inner), at, 1.0);
+            let to = add(point, camera.eye, -1.0);
+            let across = add(world_off, to, -dot(world_off, to) / dot(to, to));
+            let visible = length(across) * pixels / length(to);
+            // Normals go by the inverse transpose: the cofactors.
+            let outward = add(
+                add(cross(y, z).map(|c| c * normal[0]), cross(z, x), normal[1]),
+                cross(x, y),
+                normal[2],
+            );
+            let faces = dot(cross(x, y), z).signum() * dot(outward, to) < -1e-4 * length(outward) * length(to);
+            if camera.sees(point, 1e-3) && faces && visible > 1.001 {
+                prop_assert!(object.needs(&ball.bounds()).refine, "{} pixels", visible);
+            }
+        }
+    }
+
     /// What has a point in the picture that faces the eye, with an error that is too large there, is needed.
     #[test]
     fn nothing_seen_is_left_out(
@@ -285,8 +323,13 @@ fn what_is_no_camera_is_refused() {
     // Stretched, sheared, flat, and no affine map.
     for matrix in [with(0, 0, 2.0), with(1, 0, 0.5), with(2, 2, 0.0), [[0.0; 4]; 4], with(0, 3, 0.1)] {
         assert_eq!(View::perspective(matrix, 1.0, VIEWPORT), Err(ViewError::NotUniform { which: "view" }));
-        let view = View::perspective(UNMOVED, 1.0, VIEWPORT).unwrap();
-        assert_eq!(view.of_object(matrix), Err(ViewError::NotUniform { which: "object" }));
+    }
+    let view = View::perspective(UNMOVED, 1.0, VIEWPORT).unwrap();
+    for matrix in [[[0.0; 4]; 4], with(0, 3, 0.1), with(3, 3, 2.0)] {
+        assert_eq!(view.of_object(matrix), Err(ViewError::NotAffine { which: "object" }));
+    }
+    for matrix in [with(2, 2, 0.0), with(0, 0, 0.0)] {
+        assert_eq!(view.of_object(matrix), Err(ViewError::Singular { which: "object" }));
     }
     // No eye and no direction: nothing across, nothing down, nothing at all.
     for matrix in [with(0, 0, 0.0), with(1, 1, 0.0), [[0.0; 4]; 4], with(3, 3, 0.0)] {

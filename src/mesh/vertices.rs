@@ -61,7 +61,7 @@ impl Mesh {
         indices: &[impl Index],
         position: impl Fn(&V) -> [f32; 3],
     ) -> Result<Self, MeshError> {
-        if indices.len() % 3 != 0 {
+        if !indices.len().is_multiple_of(3) {
             return Err(MeshError::OddIndices { indices: indices.len() });
         }
         if vertices.len() > MAX_ELEMENTS {
@@ -95,7 +95,8 @@ impl Mesh {
         let mut materials = vec![u32::MAX; count];
         for (i, range) in ranges.iter().enumerate() {
             let refused = || MeshError::MaterialRange { range: i, start: range.start, end: range.end };
-            let whole = range.start % 3 == 0 && range.end % 3 == 0 && range.start <= range.end;
+            let ends = [range.start, range.end];
+            let whole = ends.iter().all(|end| end.is_multiple_of(3)) && range.start <= range.end;
             let triangles = range.start / 3..range.end / 3;
             let own = materials.get_mut(triangles).filter(|_| whole).ok_or_else(refused)?;
             if own.iter().any(|&material| material != u32::MAX) {

@@ -34,7 +34,13 @@ pub enum ViewError {
         /// Pixels down.
         height: u32,
     },
-    /// A matrix that shears, or scales directions differently.
+    /// An object's matrix with a last row that is not 0 0 0 1.
+    #[error("the {which} matrix is no affine map")]
+    NotAffine {
+        /// Which matrix.
+        which: &'static str,
+    },
+    /// A camera's matrix that shears, or scales directions differently.
     #[error("the {which} matrix is not a rotation, translation and uniform scale")]
     NotUniform {
         /// Which matrix.

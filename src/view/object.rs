@@ -6,7 +6,7 @@ use super::bounds::Bounds;
 use super::camera::{ErrorKind, Eye, View, ViewError};
 use super::criteria::{Answer, Criterion, Motion};
 use super::deviation::DeviationBounds;
-use super::matrix::{columns, uniform_scale};
+use super::matrix::{columns, scales};
 use super::region::angle_between;
 use super::seen::{Extent, Facing, Place, Seen};
 
@@ -38,29 +38,34 @@ pub struct ObjectView {
 impl View {
     /// This view as seen from an object that lies in the world as it is.
     pub fn of_world(&self) -> ObjectView {
-        self.seen_from(&DMat4::IDENTITY, 1.0)
+        self.seen_from(&DMat4::IDENTITY, [1.0; 2])
     }
 
-    /// This view as seen from an object with the given matrix from object to world: a rotation or reflection, a
-    /// translation, and a scale that is the same in all directions.
+    /// This view as seen from an object with the given matrix from object to world: any affine map. Where that scales
+    /// directions differently or shears, errors are taken for the greatest scale and distances for the least: nothing is
+    /// coarser than asked for, and more is drawn than need be, by the ratio of both.
     ///
     /// # Errors
-    /// The matrix is not finite, or not of that kind.
+    /// The matrix is not finite, is no affine map, or flattens the object.
     pub fn of_object(&self, object_to_world: [[f32; 4]; 4]) -> Result<ObjectView, ViewError> {
         let matrix = columns(object_to_world).ok_or(ViewError::NotFinite { which: "object" })?;
-        let scale = uniform_scale(&matrix).ok_or(ViewError::NotUniform { which: "object" })?;
-        Ok(self.seen_from(&matrix, scale))
+        let scales = scales(&matrix).ok_or(ViewError::NotAffine { which: "object" })?;
+        if scales[0] <= 0.0 {
+            return Err(ViewError::Singular { which: "object" });
+        }
+        Ok(self.seen_from(&matrix, scales))
     }
 
-    fn seen_from(&self, to_world: &DMat4, scale: f64) -> ObjectView {
+    fn seen_from(&self, to_world: &DMat4, [least, greatest]: [f64; 2]) -> ObjectView {
         let to_object = to_world.inverse();
         let (eye, pixels) = match self.eye {
             Eye::At { eye, forward, pixels } => {
                 let eye = to_object.transform_point3(eye);
+                let pixels = pixels * (greatest / least);
                 (Eye::At { eye, forward: to_object.transform_vector3(forward).normalize(), pixels }, pixels)
             }
             Eye::Along { forward, pixels } => {
-                let pixels = pixels * scale;
+                let pixels = pixels * greatest;
                 (Eye::Along { forward: to_object.transform_vector3(forward).normalize(), pixels }, pixels)
             }
         };
@@ -81,7 +86,7 @@ impl View {
             back_faces: self.back_faces,
             focus: self.focus.map(|ball| {
                 let centre = DVec3::from_array(ball.centre.map(f64::from));
-                (to_object.transform_point3(centre), f64::from(ball.radius) / scale)
+                (to_object.transform_point3(centre), f64::from(ball.radius) / least)
             }),
         }
     }
