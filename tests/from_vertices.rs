@@ -1,5 +1,6 @@
 //! Promise: a mesh from an engine's vertex and index buffers has a seam where vertices at one position differ in a byte, and
 //! nowhere else; and vertices follow into the order of a structure, or are refused where a seam would be lost.
+#![allow(clippy::single_range_in_vec_init)] // One material is a list of one range.
 
 use multires::MeshError;
 use multires::hierarchy::{Dependencies, VertexHierarchy};
