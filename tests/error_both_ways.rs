@@ -4,7 +4,7 @@
 
 use multires::mesh::{Mesh, shapes};
 use multires::quality::{DistanceOptions, distance};
-use multires::simplify::{ErrorMeasure, Simplifier};
+use multires::simplify::{ErrorMeasure, Simplifier, Target};
 
 /// What a level is said to lie away, and the sampled largest distances from the input to the level and back.
 fn levels(mesh: &Mesh, measure: ErrorMeasure, percents: &[usize]) -> Vec<[f64; 3]> {
@@ -33,10 +33,21 @@ fn coarse_levels_lie_as_near_as_is_said() {
     for (name, mesh) in hollow_meshes() {
         for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified] {
             for [said, out, back] in levels(&mesh, measure, &[12, 5, 2, 1]) {
-                eprintln!("{name} {measure:?}: {said} out {:.2} back {:.2}", out / said, back / said);
                 let slack = 2e-6 * mesh.diagonal();
                 assert!(out.max(back) <= 1.25 * said + slack, "{name}, {measure:?}: {said}, {out}, {back}");
             }
+        }
+    }
+}
+
+#[test]
+fn an_error_asked_for_is_kept_on_coarse_levels() {
+    for (name, mesh) in hollow_meshes() {
+        for share in [0.002, 0.01, 0.03] {
+            let asked = (share * mesh.diagonal()) as f32;
+            let sequence = Simplifier::new().target(Target::Error(asked)).run(&mesh).unwrap();
+            let said = sequence.error_after(sequence.len());
+            assert!(said <= asked && said > 0.0, "{name}: {said} of {asked}");
         }
     }
 }

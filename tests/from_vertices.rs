@@ -175,8 +175,29 @@ fn noise_within_the_tolerances_is_no_lost_seam() {
         .unwrap()
         .with_attribute(Attribute::floats(names::NORMAL, &normals))
         .unwrap();
-    let tom = TotallyOrderedMesh::build(&mesh, &simplified(&mesh)).unwrap();
+    let sequence = simplified(&mesh);
+    assert!(!sequence.aliases().is_empty());
+    let tom = TotallyOrderedMesh::build(&mesh, &sequence).unwrap();
     assert_eq!(tom.arrange(&normals).unwrap().len(), normals.len());
+}
+
+/// Zeros of both signs are one place, and arranging positions is no lost seam; nor is what no triangle uses.
+#[test]
+fn zeros_and_unused_vertices_differ_at_will() {
+    let right = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let left = [[-0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-0.0, 1.0, 0.0]];
+    let positions = [&right[..], &left, &right].concat();
+    let mesh = Mesh::new(positions, [[0, 1, 2], [3, 5, 4]]).unwrap();
+    let sequence = simplified(&mesh);
+    let tom = TotallyOrderedMesh::build(&mesh, &sequence).unwrap();
+    let hierarchy = VertexHierarchy::build(&mesh, &sequence, Dependencies::None).unwrap();
+    assert!(tom.arrange(mesh.positions()).is_ok() && hierarchy.arrange(mesh.positions()).is_ok());
+    let numbers: Vec<u32> = (0..9).map(|v| if v < 6 { 0 } else { v }).collect();
+    assert!(tom.arrange(&numbers).is_ok() && hierarchy.arrange(&numbers).is_ok());
+    // Too few are that, and no lost seam.
+    let short = MeshError::LengthMismatch { what: "values".into(), found: 8, expected: 9 };
+    assert_eq!(tom.arrange(&numbers[1..]), Err(TomError::Mesh(short.clone())));
+    assert_eq!(hierarchy.arrange(&numbers[1..]), Err(short));
 }
 
 #[test]

@@ -57,8 +57,9 @@ impl HierarchyBuild {
         if !self.new_vertices.is_empty() {
             return Err(MeshError::NewVertices { count: self.new_vertices.len() });
         }
+        let arranged = self.arrange_with(values, |kept, _, _| *kept)?;
         check_folded(values, &self.folded)?;
-        self.arrange_with(values, |kept, _, _| *kept)
+        Ok(arranged)
     }
 
     /// Values of the input's vertices in the order of the structure; `blend` makes those of new vertices from two others

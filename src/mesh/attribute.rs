@@ -18,7 +18,7 @@ pub mod names {
     pub const WEIGHTS: &str = "weights";
 
     /// The lowest vertex equal to each, 1 unsigned integer: what [`Mesh::from_vertices`](crate::Mesh::from_vertices) tells
-    /// vertices at one position apart by.
+    /// vertices at one position apart by. In levels the numbers are still those of the input; files do not get it.
     pub const VERTEX: &str = "vertex";
 
     /// Whether a name is that of the first set or of a further one: `uv`, `uv1`, `uv2` and so on.

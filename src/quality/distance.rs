@@ -20,7 +20,7 @@ use super::{QualityError, bvh::Walker, maximum::largest, sums::Sums, surface::Su
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DistanceOptions {
-    /// Samples on the faces of each mesh, 1 to 2^32; default 500,000. A quarter as many again go along its edges.
+    /// Samples on the faces of each mesh, 1 to 2^32 - 1; default 500,000. A quarter as many again go along its edges.
     pub samples: usize,
     /// Which samples: another seed jitters them differently within the same shares of area; default 0.
     pub seed: u64,
@@ -137,7 +137,7 @@ impl Distance {
 /// O((n + samples) log n), with some 200 bytes a triangle while it runs.
 ///
 /// # Errors
-/// A mesh without a surface; a number of samples that is not 1 to 2^32.
+/// A mesh without a surface; a number of samples that is not 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::Mesh, quality::{distance, DistanceOptions}};
@@ -165,7 +165,7 @@ impl Surface<'_> {
     /// How far this surface and another are apart, in both directions: [`distance`] without building anything.
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32.
+    /// A number of samples that is not 1 to 2^32 - 1.
     pub fn distance(&self, other: &Surface<'_>, options: &DistanceOptions) -> Result<Distance, QualityError> {
         Ok(Distance {
             forward: self.distance_to(other, options)?,
@@ -177,7 +177,7 @@ impl Surface<'_> {
     /// How far this surface is from another: one direction of [`distance`].
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32.
+    /// A number of samples that is not 1 to 2^32 - 1.
     pub fn distance_to(
         &self,
         other: &Surface<'_>,

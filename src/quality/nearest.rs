@@ -30,7 +30,7 @@ impl Surface<'_> {
     /// Samples of the surface, each of which stands for the same area. O(samples + n).
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32.
+    /// A number of samples that is not 1 to 2^32 - 1.
     ///
     /// ```
     /// use multires::{mesh::shapes, quality::{DistanceOptions, Surface}};

@@ -58,7 +58,7 @@ pub struct NormalDeviation {
 /// turns least counts. O((n + samples) log n).
 ///
 /// # Errors
-/// A mesh without a surface; a number of samples that is not 1 to 2^32.
+/// A mesh without a surface; a number of samples that is not 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::Mesh, quality::{DistanceOptions, normal_deviation}};
@@ -85,7 +85,7 @@ impl Surface<'_> {
     /// How far the normals of this surface turn from those of another: the forward half of [`normal_deviation`].
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32.
+    /// A number of samples that is not 1 to 2^32 - 1.
     pub fn normal_deviation_to(
         &self,
         other: &Surface<'_>,

@@ -61,7 +61,7 @@ pub struct SignedDistance {
 ///
 /// # Errors
 /// A mesh without a surface, or one that is open or inconsistently oriented, as [`volume()`](super::volume()) needs it;
-/// a number of samples that is not 1 to 2^32.
+/// a number of samples that is not 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::shapes, quality::{DistanceOptions, signed_distance}};
@@ -99,7 +99,7 @@ impl Surface<'_> {
     /// [`signed_distance`]. This one may be open.
     ///
     /// # Errors
-    /// `other` is open or inconsistently oriented; a number of samples that is not 1 to 2^32.
+    /// `other` is open or inconsistently oriented; a number of samples that is not 1 to 2^32 - 1.
     pub fn signed_distance_to(
         &self,
         other: &Surface<'_>,

@@ -41,7 +41,7 @@ pub struct TextureDeviation {
 ///
 /// # Errors
 /// A mesh without a surface, without texture coordinates or with any that are not finite; a number of samples that is
-/// not 1 to 2^32.
+/// not 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{Simplifier, mesh::shapes, quality::{DistanceOptions, texture_deviation}};
@@ -66,7 +66,7 @@ impl Surface<'_> {
     /// How far a texture slides from this surface to a level of it: [`texture_deviation`] without building anything.
     ///
     /// # Errors
-    /// A mesh without texture coordinates or with any that are not finite; a number of samples that is not 1 to 2^32.
+    /// A mesh without texture coordinates or with any that are not finite; a number of samples that is not 1 to 2^32 - 1.
     pub fn texture_deviation_to(
         &self,
         level: &Surface<'_>,

@@ -46,6 +46,8 @@ pub(super) struct Watch {
     surface: Witnesses,
     curves: CurveWitnesses,
     back: WayBack,
+    /// What was measured last, of which pair and where.
+    measured: Option<(Pair, Vec3, Deviation)>,
 }
 
 impl Errors {
@@ -56,6 +58,7 @@ impl Errors {
                 surface: Witnesses::new(surface, measure == ErrorMeasure::Verified),
                 curves: CurveWitnesses::new(surface),
                 back: WayBack::new(surface),
+                measured: None,
             })),
         }
     }
@@ -67,7 +70,9 @@ impl Errors {
                 let apart = watch.surface.measure(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.measure(surface, pair, x).worst } else { 0.0 };
-                watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()])
+                let found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
+                watch.measured = Some((pair, x, found));
+                found
             }
         }
     }
@@ -79,7 +84,13 @@ impl Errors {
                 let apart = watch.surface.hand_over(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.hand_over(surface, pair, x).worst } else { 0.0 };
-                let found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
+                let mut found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
+                // The way back starts from other points now; what was measured before is as true, and has passed the limits.
+                if let Some((_, _, before)) = watch.measured.take().filter(|&(p, at, _)| (p, at) == (pair, x))
+                {
+                    found.surface = found.surface.min(before.surface);
+                    found.curve = found.curve.min(before.curve);
+                }
                 watch.surface.note(found.surface);
                 found
             }

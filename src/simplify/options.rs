@@ -28,8 +28,8 @@ pub enum ErrorMeasure {
     /// the surfaces in both directions and for how far textures slide, but a loose one where the surface is flat: the
     /// fastest, for a sequence of which only the order matters.
     Travel,
-    /// The largest distance of an input point from the level's surface, and of the curves of input and level from each
-    /// other, measured as they change. Tight.
+    /// The largest distance of an input point from the level's surface, of the curves of input and level from each other, and
+    /// next to curves and on coarse levels of the level's triangles from the input, measured as they change. Tight.
     #[default]
     Measured,
     /// As `Measured`; and where the metric's costs are squared distances (the quadrics), a collapse that would move

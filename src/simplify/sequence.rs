@@ -130,11 +130,16 @@ impl CollapseSequence {
         &self.aliases
     }
 
-    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept.
+    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept, both used by triangles. Bit for bit:
+    /// zeros of both signs are one place but different values. O(n).
     pub(crate) fn folded(&self, mesh: &Mesh) -> Vec<[u32; 2]> {
-        let position = |v: u32| mesh.positions()[v as usize];
+        let mut used = vec![false; mesh.positions().len()];
+        mesh.indices().iter().for_each(|&v| used[v as usize] = true);
+        let position = |v: u32| mesh.positions()[v as usize].map(f32::to_bits);
         let are_one = |&&[a, b]: &&[u32; 2]| {
-            position(a) == position(b)
+            used[a as usize]
+                && used[b as usize]
+                && position(a) == position(b)
                 && mesh.attributes().iter().all(|values| values.words(a) == values.words(b))
         };
         self.aliases.iter().filter(are_one).copied().collect()

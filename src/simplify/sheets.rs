@@ -50,7 +50,7 @@ pub(super) struct Sheets {
 
 impl Sheets {
     /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n), plus O(k log k) for k
-    /// that coincide.
+    /// that coincide or share a bit of their hash with another, about one in ten.
     pub fn new(
         triangles: &mut [[u32; 3]],
         vertices: impl Fn(u32) -> [u32; 3],
@@ -201,7 +201,7 @@ struct Groups {
 }
 
 impl Groups {
-    /// O(n): what shares a hash with another is sorted, few where few triangles coincide.
+    /// What shares a bit of its hash with another is sorted, about one in ten where no triangles coincide.
     fn new(triangles: &[[u32; 3]]) -> Self {
         // Lowest, highest and middle point.
         let key = |&[a, b, c]: &[u32; 3]| {

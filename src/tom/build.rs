@@ -43,6 +43,7 @@ impl TomBuild {
     /// As many values as input vertices are needed. Vertices that nothing in the mesh told apart differ
     /// ([`MeshError::Folded`]): a seam would be lost.
     pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
+        self.check("values", values.len(), self.vertex_order.len())?;
         check_folded(values, &self.folded)?;
         self.arrange_any(values)
     }

@@ -25,6 +25,9 @@ pub(super) fn uniform_scale(m: &DMat4) -> Option<f64> {
         .then_some(scale)
 }
 
+/// Least and greatest scales farther apart than this are a flattened object's: single precision tells no more.
+const FLAT: f64 = 1e-7;
+
 /// The least and the greatest factor by which a matrix scales a length, the least rounded down and the greatest up; both the
 /// same where it scales evenly. `None` where it is no affine map; the least is 0 where it flattens.
 pub(super) fn scales(m: &DMat4) -> Option<[f64; 2]> {
@@ -35,24 +38,30 @@ pub(super) fn scales(m: &DMat4) -> Option<[f64; 2]> {
         return None;
     }
     let a = DMat3::from_mat4(*m);
-    // Eigenvalues of a'a, by trigonometry, in parts of their mean.
-    let square = a.transpose() * a;
+    let most = greatest_scale(&a);
+    let inverse = a.inverse();
+    let least = if inverse.is_finite() { 1.0 / greatest_scale(&inverse) } else { 0.0 };
+    Some([if least > FLAT * most { least } else { 0.0 }, most])
+}
+
+/// The greatest factor by which a matrix scales a length, rounded up: the root of the greatest eigenvalue of a'a, by
+/// trigonometry, in parts of their mean. (The least would be lost in the rounding of the greatest.)
+fn greatest_scale(a: &DMat3) -> f64 {
+    let square = a.transpose() * *a;
     let mean = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
     if mean <= 0.0 {
-        return Some([0.0; 2]);
+        return 0.0;
     }
     let part = square * (1.0 / mean) - DMat3::IDENTITY;
-    let spread =
-        ((part.x_axis.length_squared() + part.y_axis.length_squared() + part.z_axis.length_squared()) / 6.0)
-            .sqrt();
-    if spread <= 0.0 {
-        return Some([mean.sqrt(); 2]);
-    }
-    let angle = (0.5 * (part * (1.0 / spread)).determinant()).clamp(-1.0, 1.0).acos() / 3.0;
-    let third = std::f64::consts::TAU / 3.0;
-    let [least, greatest] = [angle + third, angle].map(|angle| 1.0 + 2.0 * spread * angle.cos());
-    // Rounding of the least is in parts of the greatest.
-    Some([(mean * (least - 1e-12 * greatest).max(0.0)).sqrt(), (mean * greatest).sqrt() * (1.0 + 1e-12)])
+    let squares = part.x_axis.length_squared() + part.y_axis.length_squared() + part.z_axis.length_squared();
+    let spread = (squares / 6.0).sqrt();
+    let greatest = if spread > 0.0 {
+        let angle = (0.5 * (part * (1.0 / spread)).determinant()).clamp(-1.0, 1.0).acos() / 3.0;
+        1.0 + 2.0 * spread * angle.cos()
+    } else {
+        1.0
+    };
+    (mean * greatest).sqrt() * (1.0 + 1e-7)
 }
 
 #[cfg(test)]
@@ -62,22 +71,37 @@ mod tests {
     #[test]
     fn scales_of_matrices() {
         let of = |m: DMat3| scales(&DMat4::from_mat3(m)).unwrap();
-        let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < 1e-6 * d && (b - d).abs() < 1e-6 * d;
-        let turn = DMat3::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0);
-        for (x, y, z) in [(1.0, 2.0, 5.0), (3.0, 3.0, 1e-3), (1e-8, 2e-8, 2e-8), (-4.0, 1.0, 1.0)] {
-            let [least, _, greatest] = {
-                let mut all = [f64::abs(x), f64::abs(y), f64::abs(z)];
-                all.sort_by(f64::total_cmp);
-                all
-            };
-            let m = turn * DMat3::from_diagonal(DVec3::new(x, y, z)) * turn.transpose() * turn;
-            assert!(near(of(m), [least, greatest]), "{x} {y} {z}: {:?}", of(m));
+        // Rounded outward, and by no more than a millionth.
+        let assert_near = |[least, most]: [f64; 2], [low, high]: [f64; 2]| {
+            assert!(least <= low * (1.0 + 1e-12) && least >= low * (1.0 - 1e-6), "{least} is not {low}");
+            assert!(most >= high * (1.0 - 1e-12) && most <= high * (1.0 + 1e-6), "{most} is not {high}");
+        };
+        for (x, y, z) in [
+            (1.0, 2.0, 5.0),
+            (3.0, 3.0, 1e-3),
+            (1e-8, 2e-8, 2e-8),
+            (-4.0, 1.0, 1.0),
+            (1e-5, 1e-4, 1.0),
+            (1e-4, 1e-4, 1.0),
+            (1e-3, 1.5e-3, 1.0),
+            (1.0, 0.9999, 0.2),
+        ] {
+            let mut all = [f64::abs(x), f64::abs(y), f64::abs(z)];
+            all.sort_by(f64::total_cmp);
+            for i in 0..50 {
+                let turn = |i: i32| {
+                    let angle = |k: i32| f64::from(i * k % 17);
+                    DMat3::from_euler(glam::EulerRot::XYZ, angle(3), angle(5), angle(7))
+                };
+                let m = turn(i) * DMat3::from_diagonal(DVec3::new(x, y, z)) * turn(i + 9);
+                assert_near(of(m), [all[0], all[2]]);
+            }
         }
         assert_eq!(of(DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0)))[0], 0.0);
         assert_eq!(of(DMat3::ZERO), [0.0; 2]);
         let golden = (1.0 + 5f64.sqrt()) / 2.0;
         let shear = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z);
-        assert!(near(of(shear), [golden - 1.0, golden]), "{:?}", of(shear));
+        assert_near(of(shear), [golden - 1.0, golden]);
         assert_eq!(
             scales(&DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::Z, DVec4::new(0.0, 0.0, 0.0, 2.0))),
             None

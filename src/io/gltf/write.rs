@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::semantic;
 use crate::io::error::WriteError;
-use crate::mesh::{Attribute, AttributeValues, Mesh};
+use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
 /// Most materials: each takes an entry in the document, named or not.
 const MAX_MATERIALS: u32 = 1 << 16;
@@ -70,7 +70,8 @@ impl File {
         self.accessors[position]["min"] = json!(low.map(f64::from));
         self.accessors[position]["max"] = json!(high.map(f64::from));
         attributes.insert("POSITION".to_owned(), position);
-        for attribute in mesh.attributes() {
+        // Which of a caller's vertices are one is no value of the model's.
+        for attribute in mesh.attributes().iter().filter(|a| a.name() != names::VERTEX) {
             let semantic = semantic_of(attribute);
             let accessor = self.attribute(attribute, mesh.positions().len())?;
             if attributes.insert(semantic.clone(), accessor).is_some() {

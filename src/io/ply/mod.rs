@@ -98,7 +98,8 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
 /// The properties after x, y and z.
 fn columns(mesh: &Mesh) -> Result<Vec<Column<'_>>, WriteError> {
     let mut columns: Vec<Column> = Vec::new();
-    for attribute in mesh.attributes() {
+    // Which of a caller's vertices are one is no value of the model's.
+    for attribute in mesh.attributes().iter().filter(|a| a.name() != names::VERTEX) {
         let as_byte = attribute.name() == names::COLOR && attribute.as_floats().is_some_and(are_bytes);
         let known: &[&str] = match (attribute.name(), attribute.as_floats(), attribute.width()) {
             (names::NORMAL, Some(_), 3) => &["nx", "ny", "nz"],

@@ -98,9 +98,12 @@ impl<M: ErrorMetric> Engine<'_, M> {
             Some(_) if self.is_symmetric() => SUMMED_RATE * loss,
             Some(rate) => rate * loss,
             None => {
-                let mean_area = parts.area() / self.surface.live_triangles().max(1) as f32;
-                let lost =
-                    VanishingLoss { integral: loss, area: parts.shape(part).area, triangles, mean_area };
+                // Triangles over the same points are one.
+                let [sheets, live] =
+                    [self.surface.live_sheets(), self.surface.live_triangles()].map(|count| count.max(1));
+                let (triangles, mean_area) = (triangles * sheets / live, parts.area() / sheets as f32);
+                let area = parts.shape(part).area;
+                let lost = VanishingLoss { integral: loss, area, triangles, mean_area };
                 self.metric.vanishing_cost(lost).or(self.vanishing.is_last.then_some(loss))?
             }
         };

@@ -1,7 +1,7 @@
 //! The squared length of the edge (Southern 3.2.3, Berkey 3.1).
 //!
 //! Blind to shape: dense regions go first whatever they look like, so points end up evenly spread and slivers are rare.
-//! But not to rims (borders, borders between materials, creases): the area that they sweep counts [`RIM`]-fold, so that
+//! But not to rims (borders, borders between materials, creases, and seams by a tenth): the area that they sweep counts [`RIM`]-fold, so that
 //! corners are not cut off.
 
 use glam::Vec3;

@@ -2,7 +2,7 @@
 //!
 //! `E_norm = max (1 - o . n)` over the triangles that survive, `o` and `n` their unit normals before and after: 0 where
 //! none turns, 1 at a right angle, 2 upside down. Removed triangles have no normal afterwards and do not count.
-//! Rims (borders, borders between materials, creases) add the length of the edge times the area that they sweep: on a
+//! Rims (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times the area that they sweep: on a
 //! plane no normal turns and nothing is swept when a corner is cut off.
 
 use glam::{DVec3, Vec3};

@@ -203,13 +203,13 @@ pub trait ErrorMetric: Send + Sync {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct VanishingLoss {
-    /// The integral of squared distance from what is left over the part's area.
+    /// The integral of squared distance from what is left over the part's area; while it waits at least that, by its size alone.
     pub integral: f32,
-    /// The part's area.
+    /// The part's area, in the input.
     pub area: f32,
-    /// How many triangles it has.
+    /// How many triangles it has, those over the same points counted once.
     pub triangles: usize,
-    /// The mean area of a triangle of the whole surface as it is now.
+    /// The area of all parts in the input, for each triangle that is left.
     pub mean_area: f32,
 }
 

@@ -8,7 +8,7 @@
 //!            c
 //! ```
 //!
-//! Rims (borders, borders between materials, creases) add the length of the edge times the area that they sweep: on a
+//! Rims (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times the area that they sweep: on a
 //! plane nothing is swept when a corner is cut off.
 
 use glam::{DVec3, Vec3};

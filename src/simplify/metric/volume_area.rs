@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The paper's formula says nothing of borders (no volume changes when a border point slides along the sheet) and
-//! leaves the order on a plane to chance: the term of rims (borders, borders between materials, creases) and the last one mend that. Its volume variation can be read
+//! leaves the order on a plane to chance: the term of rims (borders, borders between materials, creases, and seams by a tenth) and the last one mend that. Its volume variation can be read
 //! as the signed change or as what is swept; either alone is worse than both, as what is swept measures the distance now
 //! and the signed change adds up over the collapses to come.
 
