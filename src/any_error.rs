@@ -2,6 +2,7 @@
 
 use crate::error::MeshError;
 use crate::hierarchy::HierarchyError;
+use crate::lod::LodError;
 use crate::simplify::{OptionError, ProgressiveError, SequenceError};
 use crate::tom::TomError;
 use crate::view::ViewError;
@@ -10,16 +11,15 @@ use crate::wavelet::WaveletError;
 /// Whatever went wrong anywhere in this crate. Its message is that of the error inside.
 ///
 /// ```
-/// use multires::{Level, Mesh, Simplifier, TotallyOrderedMesh, mesh::shapes};
+/// use multires::prelude::*;
+/// use multires::{Mesh, mesh::shapes};
 ///
-/// fn coarse(mesh: &Mesh) -> Result<Vec<u32>, multires::Error> {
-///     let sequence = Simplifier::new().run(mesh)?; // options that make no sense
-///     let built = TotallyOrderedMesh::build(mesh, &sequence)?; // a sequence of another mesh
-///     let mut indices = Vec::new();
-///     built.tom.fill_indices(built.tom.at(Level::Ratio(0.1)), &mut indices);
-///     Ok(indices)
+/// fn instance(mesh: &Mesh) -> Result<impl Lod, multires::Error> {
+///     let model = VertexHierarchy::bake(mesh)?; // a mesh that is too large
+///     let values = model.arrange(mesh.positions())?; // values of another mesh
+///     Ok(model.instance(values, &LodOptions::default())?) // options that make no sense
 /// }
-/// assert!(coarse(&shapes::demo())?.len() > 3);
+/// assert!(instance(&shapes::demo())?.triangles(0).len() > 3);
 /// # Ok::<(), multires::Error>(())
 /// ```
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +40,8 @@ pub enum Error {
     Hierarchy(#[from] HierarchyError),
     /// A wavelet mesh.
     Wavelet(#[from] WaveletError),
+    /// An instance.
+    Lod(#[from] LodError),
     /// A view.
     View(#[from] ViewError),
     /// A measurement.
@@ -54,4 +56,16 @@ pub enum Error {
     /// A baked file.
     #[cfg(feature = "io")]
     Bake(#[from] crate::io::BakeError),
+}
+
+impl Error {
+    /// Whether a build ended because whoever was told of its progress said so.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(
+            self,
+            Self::Tom(TomError::Cancelled)
+                | Self::Hierarchy(HierarchyError::Cancelled)
+                | Self::Wavelet(WaveletError::Cancelled)
+        )
+    }
 }

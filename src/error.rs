@@ -69,6 +69,14 @@ pub enum MeshError {
         /// How many there are.
         count: usize,
     },
+    /// A vertex of a baked model that comes from nowhere: no vertex of the input, nor a mixture before it.
+    #[error("origin {vertex} names {found}, which there is not before it")]
+    Origin {
+        /// Index of the origin.
+        vertex: usize,
+        /// What it names.
+        found: u32,
+    },
     /// More vertices or triangles than the structures can number.
     #[error("{count} {what} are more than the {limit} supported")]
     TooMany {

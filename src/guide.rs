@@ -2,6 +2,7 @@
 //!
 //! | chapter | for |
 //! |---|---|
+//! | [`start`] | ten minutes: from `cargo add` to a level of detail that follows the eye |
 //! | [`input`] | meshes, attributes, files: what goes in |
 //! | [`simplification`] | taking detail away, and what the result says of itself |
 //! | [`further`] | when it will not go further: every reason, and what helps |
@@ -14,6 +15,7 @@
 /// Where chapters name each other, they mean the modules here.
 macro_rules! chapter {
     ($name:ident, $file:literal) => {
+        #[doc = "[start]: crate::guide::start"]
         #[doc = "[input]: crate::guide::input"]
         #[doc = "[simplification]: crate::guide::simplification"]
         #[doc = "[further]: crate::guide::further"]
@@ -30,6 +32,7 @@ macro_rules! chapter {
     };
 }
 
+chapter!(start, "start.md");
 chapter!(input, "input.md");
 chapter!(simplification, "simplification.md");
 chapter!(further, "further.md");

@@ -5,22 +5,43 @@
 //! # The tour
 //!
 //! ```
-//! use multires::{Level, Simplifier, TotallyOrderedMesh, mesh::shapes};
+//! use bytemuck::{Pod, Zeroable};
+//! use multires::mesh::shapes;
+//! use multires::prelude::*;
 //!
-//! // Once, offline or when loading.
-//! let mesh = shapes::demo(); // or Mesh::from_vertices(&vertices, &indices, |v| v.position)?, or io::read(path)?
-//! let sequence = Simplifier::new().run(&mesh)?; // every collapse, cheapest first
-//! let built = TotallyOrderedMesh::build(&mesh, &sequence)?; // every level of detail, in one order
-//! let vertices = built.arrange(mesh.positions())?; // upload once
+//! #[repr(C)]
+//! #[derive(Clone, Copy, Pod, Zeroable)]
+//! struct Vertex {
+//!     position: [f32; 3],
+//! }
+//! # let demo = shapes::demo();
+//! # let vertices: Vec<Vertex> = demo.positions().iter().map(|&position| Vertex { position }).collect();
+//! # let indices = demo.indices().to_vec();
 //!
-//! // Every frame, or whenever the level changes.
-//! let level = built.tom.at(Level::Triangles(5_000));
-//! let mut indices = Vec::new();
-//! built.tom.fill_indices(level, &mut indices); // upload and draw
+//! // Once, offline or when loading: what an engine has, one structure of it, your vertices in its order.
+//! let mesh = Mesh::from_vertices(&vertices, &indices, |v| v.position)?;
+//! let model = VertexHierarchy::bake(&mesh)?; // or TotallyOrderedMesh, or WaveletMesh: the rest stays the same
+//! let values = model.arrange(&vertices)?;
+//! let mut lod = model.instance(values, &LodOptions::default())?; // one for each drawn object
 //!
-//! assert!(indices.len() <= 3 * 5_000);
-//! assert!(indices.iter().all(|&i| (i as usize) < level.vertices() && level.vertices() <= vertices.len()));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! // Every frame: follow the view, write what changed into buffers, draw.
+//! # let world_to_eye = multires::view::look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]);
+//! # let object_to_world = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+//! # let mut buffers = vec![Vec::new(); 2];
+//! let view = View::perspective(world_to_eye, 60_f32.to_radians(), [1920, 1080])?.with_tolerance_px(1.0);
+//! lod.adapt(&[view.of_object(object_to_world)?], 1.0 / 60.0);
+//! for upload in lod.uploads() {
+//!     // queue.write_buffer(&buffers[upload.buffer], upload.offset, upload.bytes)
+//! #   let buffer: &mut Vec<u8> = &mut buffers[upload.buffer];
+//! #   buffer.resize(buffer.len().max(upload.size as usize), 0);
+//! #   buffer[upload.offset as usize..][..upload.bytes.len()].copy_from_slice(upload.bytes);
+//! }
+//! lod.clean();
+//! for draw in lod.draws() {
+//!     // pass.draw_indexed(draw.indices, draw.base_vertex, 0..1)
+//! #   assert!(buffers[draw.buffer].len() >= 4 * draw.indices.end as usize);
+//! }
+//! # Ok::<(), multires::Error>(())
 //! ```
 //!
 //! # One idea
@@ -37,11 +58,12 @@
 //! |---|---|
 //! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
 //! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
-//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array; [`TomCursor`] for drawn instances; [`TomMesh`] to bake |
-//! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh; [`HierarchyLod`] for drawn instances; [`HierarchyMesh`] to bake |
-//! | [`wavelet`] | the [`WaveletMesh`](wavelet::WaveletMesh): the same for meshes with subdivision connectivity, where textures stay in place; [`WaveletLod`](wavelet::WaveletLod) for drawn instances |
-//! | [`view`] | where one looks from, and how large an error may be on the screen: [`View`](view::View) |
-//! | [`adapt`] | how a level of detail follows the view: [`LevelOfDetail`](adapt::LevelOfDetail), the cut, ranges that changed |
+//! | [`lod`] | the one face of all structures: [`Baked`] models, [`Lod`] instances, [`LodOptions`] |
+//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array |
+//! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh |
+//! | [`wavelet`] | the [`WaveletMesh`]: the same for meshes with subdivision connectivity, where textures stay in place |
+//! | [`view`] | where one looks from, and how large an error may be on the screen: [`View`] |
+//! | [`adapt`] | how a level of detail follows the view: the cut, ranges that changed |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | what can be wrong with arrays that are handed in |
@@ -82,6 +104,7 @@ pub mod guide;
 pub mod hierarchy;
 #[cfg(feature = "io")]
 pub mod io;
+pub mod lod;
 pub mod mesh;
 pub mod prelude;
 #[cfg(feature = "quality")]
@@ -93,10 +116,13 @@ pub mod wavelet;
 
 pub use any_error::Error;
 pub use error::MeshError;
-pub use hierarchy::{HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
+pub use hierarchy::VertexHierarchy;
+pub use lod::{Baked, Level, Lod, LodOptions, Structure};
 pub use mesh::{Attribute, Mesh};
 pub use simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier, Target};
-pub use tom::{Level, Resolution, TomCursor, TomMesh, TomSteps, TotallyOrderedMesh};
+pub use tom::TotallyOrderedMesh;
+pub use view::View;
+pub use wavelet::WaveletMesh;
 
 /// The code in the readme and the guide is compiled and run with the tests.
 #[cfg(all(doctest, feature = "io", feature = "quality"))]

@@ -4,16 +4,18 @@
 //! use multires::prelude::*;
 //!
 //! let mesh = multires::mesh::shapes::demo();
-//! let sequence = Simplifier::new().target(Target::Ratio(0.25)).run(&mesh)?;
-//! assert!(sequence.report().triangles <= mesh.triangles().len() / 4);
+//! let model = VertexHierarchy::bake(&mesh)?;
+//! let mut lod = model.instance(model.arrange(mesh.positions())?, &LodOptions::default())?;
+//! assert!(lod.refine_fully().triangles > 70_000);
 //! # Ok::<(), Error>(())
 //! ```
 
 pub use crate::Error;
-pub use crate::adapt::{Change, LevelOfDetail, LodOptions};
-pub use crate::hierarchy::{HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
+pub use crate::adapt::{Blend, Change, Geomorph};
+pub use crate::hierarchy::VertexHierarchy;
+pub use crate::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, Values, Vertex, VertexBuffer};
 pub use crate::mesh::{Attribute, Mesh, names};
 pub use crate::simplify::{CollapseSequence, Placement, Simplifier, StopReason, Target};
-pub use crate::tom::{Level, TomCursor, TomMesh, TomSteps, TotallyOrderedMesh};
-pub use crate::view::View;
-pub use crate::wavelet::{WaveletBuilder, WaveletLod, WaveletMesh};
+pub use crate::tom::TotallyOrderedMesh;
+pub use crate::view::{ObjectView, View};
+pub use crate::wavelet::WaveletMesh;

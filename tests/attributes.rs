@@ -2,6 +2,8 @@
 //! like the input, and leave values that nothing blended bit for bit.
 
 mod meshes;
+#[path = "support/models.rs"]
+mod models;
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
@@ -374,12 +376,9 @@ fn a_metric_may_be_used_again() {
 
 #[test]
 fn customary_weights_suit_real_models() {
-    let directory = std::env::var("MULTIRES_MODELS").unwrap_or_else(|_| "../shared/models".to_owned());
-    for name in ["spot.obj", "ogre.obj"] {
-        let Some(mesh) = find(directory.as_ref(), name).and_then(|path| textured(&path)) else {
-            eprintln!("customary_weights_suit_real_models: skipped, no {name} in {directory}");
-            continue;
-        };
+    for name in ["real/spot.obj", "real/ogre.obj"] {
+        let Some(path) = models::find("customary_weights_suit_real_models", name) else { continue };
+        let mesh = textured(&path).unwrap();
         let plain = Simplifier::new().attributes(AttributeWeights::Off).run(&mesh).unwrap();
         let sequence = Simplifier::new().run(&mesh).unwrap();
         let asked_for = Simplifier::new().metric(WithAttributes::new(&mesh)).run(&mesh).unwrap();
@@ -395,16 +394,6 @@ fn customary_weights_suit_real_models() {
         let error = |s: &CollapseSequence| s.error_after(s.steps_for_triangles(target));
         assert!(error(&sequence) < 2.0 * error(&plain), "{name}: {} {}", error(&sequence), error(&plain));
     }
-}
-
-fn find(directory: &std::path::Path, name: &str) -> Option<std::path::PathBuf> {
-    let mut entries: Vec<_> = std::fs::read_dir(directory).ok()?.flatten().map(|e| e.path()).collect();
-    entries.sort();
-    entries
-        .iter()
-        .find(|p| p.file_name().is_some_and(|n| n == name))
-        .cloned()
-        .or_else(|| entries.iter().filter(|p| p.is_dir()).find_map(|p| find(p, name)))
 }
 
 /// A Wavefront file's positions and texture coordinates, one vertex per pair.

@@ -91,8 +91,9 @@ fn every_command_answers_with_one_object() {
 
     let built = json("build", &[&input, &baked], "--structure tom").answer();
     let info = json("info", &[&baked], "").answer();
-    for key in ["finest", "coarsest", "memory", "memory_percent"] {
+    for key in ["finest", "coarsest", "memory", "memory_percent", "origins_memory"] {
         assert_eq!(built[key], info[key], "{key}");
+        assert!(!info[key].is_null(), "{key}");
     }
     assert_eq!(info["kind"], "tom");
     assert_eq!(info["version"], io::BAKED_VERSION);
@@ -318,6 +319,62 @@ fn all_of_it_comes_back_and_levels_lie_in_between() {
     let (answer, _) = extract("--error-percent 0.5");
     assert!(answer["error_percent"].as_f64().unwrap() <= 0.5);
     assert!(number(&answer["output"]["triangles"]) < mesh.triangles().len());
+}
+
+/// Nearer is finer, the whole of it at one level; a frame of a flight is what `adapt` gives for its view.
+#[test]
+fn views_are_followed() {
+    let folder = Folder::new("tom-views");
+    let [input, baked, out, camera, frames] =
+        ["in.ply", "all.mres", "out.ply", "path.csv", "frames.csv"].map(|n| folder.file(n));
+    let mesh = shapes::demo();
+    io::write(&input, &mesh).unwrap();
+    let built = json("build", &[&input, &baked], "--structure tom").answer();
+    let base = number(&built["coarsest"]["triangles"]);
+    let adapt = |how: &str| {
+        let answer = json("adapt", &[&baked, &out], how).answer();
+        let level = io::read(&out).unwrap();
+        assert_eq!(number(&answer["output"]["triangles"]), level.triangles().len());
+        (answer, level)
+    };
+    let (distances, mut path, mut last) = ([1.5, 6.0, 25.0, 100.0], String::new(), usize::MAX);
+    for (frame, distance) in distances.into_iter().enumerate() {
+        let (answer, level) = adapt(&format!("--eye 0.3,0.2,{distance} --target 0,0,0"));
+        assert!((base..last).contains(&level.triangles().len()), "{distance}");
+        last = level.triangles().len();
+        assert!(number(&answer["refinements"]) > 0);
+        path += &format!("{frame},0.3,0.2,{distance},0,0,0\n");
+    }
+    let how = "--eye 0.3,0.2,6 --target 0,0,0";
+    let plain = adapt(how).1.triangles().len();
+    assert!(adapt(&format!("{how} --tolerance 4")).1.triangles().len() < plain);
+    let (answer, level) = adapt(&format!("{how} --budget {}", plain / 2));
+    assert!(level.triangles().len() <= plain / 2 && answer["coarsened"].as_f64().unwrap() > 1.0);
+    assert_eq!(adapt("--eye 0,0,2 --target 0,0,4").1.triangles().len(), base, "turned away");
+
+    std::fs::write(&camera, path).unwrap();
+    let fly = |more: &str| {
+        let options = format!("--path {} --csv {}", camera.display(), frames.display());
+        assert_eq!(number(&json("fly", &[&baked], &format!("{options} {more}")).answer()["frames"]), 4);
+        let text = std::fs::read_to_string(&frames).unwrap();
+        let row = |line: &str| line.split(',').map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
+        text.lines().skip(1).map(row).collect::<Vec<_>>()
+    };
+    let per_vertex = 12 + mesh.attributes().iter().map(|a| 4 * a.width()).sum::<usize>();
+    let (rows, packed) = (fly(""), fly("--packed"));
+    for ((distance, row), packed) in distances.into_iter().zip(&rows).zip(&packed) {
+        let (_, at) = adapt(&format!("--eye 0.3,0.2,{distance} --target 0,0,0"));
+        assert_eq!([row[1], row[2]], [at.triangles().len(), at.positions().len()].map(|n| n as f64));
+        assert_eq!(row[1..6], packed[1..6]);
+    }
+    // The first frame comes from the base mesh, all of it new; vertices that are shared are uploaded by nobody.
+    assert!(rows[0][7] >= 12.0 * rows[0][1] && rows[0][4] > 0.0 && rows[0][5] == 0.0);
+    assert!(packed[0][7] >= 12.0 * packed[0][1] + per_vertex as f64 * packed[0][2]);
+    let budget = fly(&format!("--budget {}", base + 2_000));
+    assert!(budget.iter().all(|row| row[1] <= (base + 2_000) as f64));
+    // What vanishes in one step comes and goes as one: here a part of 472 vertices.
+    let operations = fly("--operations 500");
+    assert!(operations.iter().all(|row| row[4] + row[5] <= 500.0) && operations[0][4] > 0.0);
 }
 
 #[test]

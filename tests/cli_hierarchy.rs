@@ -46,9 +46,15 @@ fn a_hierarchy_is_baked_and_described() {
     for policy in ["none", "adjacent", "neighbours"] {
         let (file, built) = baked(&folder, &mesh, &format!("--dependencies {policy}"));
         let info = json("info", &[&file], "").answer();
-        for key in
-            ["splits", "vertices", "triangles", "base_triangles", "memory", "structure_bytes_per_vertex"]
-        {
+        for key in [
+            "splits",
+            "vertices",
+            "triangles",
+            "base_triangles",
+            "memory",
+            "origins_memory",
+            "structure_bytes_per_vertex",
+        ] {
             assert_eq!(built[key], info[key], "{key}");
             assert!(!info[key].is_null(), "{key}");
         }
@@ -79,7 +85,7 @@ fn nearer_is_finer_and_a_tolerance_is_kept() {
         let (answer, level) = adapt(&file, &out, &format!("--eye 0.3,0.2,{distance} --target 0,0,0"));
         assert!(level.triangles().len() < last, "{distance}");
         last = level.triangles().len();
-        assert!(number(&answer["splits"]) > 0);
+        assert!(number(&answer["refinements"]) > 0);
         assert_eq!(materials(&level), materials(&mesh));
         assert!(level.attribute(names::UV).is_some() && level.attribute(names::NORMAL).is_some());
         let ratio = last as f64 / mesh.triangles().len() as f64;
@@ -106,6 +112,42 @@ fn nearer_is_finer_and_a_tolerance_is_kept() {
     assert_eq!(a, b);
     adapt(&file, &out, "--eye 0,2,0 --target 0,0,0 --up 0,-7,0");
     adapt(&file, &out, "--eye 0,2,0 --target 0,2,0");
+    assert_eq!(folder.names(), ["all.mres", "out.glb"]);
+}
+
+#[test]
+fn whole_levels_come_out_too() {
+    let folder = Folder::new("hierarchy-extract");
+    let out = folder.file("out.glb");
+    let mesh = shapes::demo();
+    let (file, built) = baked(&folder, &mesh, "");
+    let extract = |how: &str| {
+        let answer = json("extract", &[&file, &out], how).answer();
+        let level = io::read(&out).unwrap();
+        assert_eq!(number(&answer["output"]["triangles"]), level.triangles().len());
+        // Parts may vanish, and materials with them.
+        assert!(materials(&level).iter().all(|id| materials(&mesh).contains(id)));
+        assert_eq!(level.attributes().len(), mesh.attributes().len());
+        (answer, level.triangles().len())
+    };
+    let all = mesh.triangles().len();
+    let mut last = (0.0, all);
+    for percent in [70, 30, 5] {
+        let most = all * percent / 100;
+        let (answer, got) = extract(&format!("--triangles {most}"));
+        assert!(got <= most && 100 * got >= 95 * most, "{got} of {most}");
+        let error = answer["error"].as_f64().unwrap();
+        assert!(error > last.0 && got < last.1, "{error} {got}");
+        assert_eq!(extract(&format!("--ratio {}", percent as f64 / 100.0)).1, got);
+        // So much error needs no more triangles; a little more, for what is lost between binary and decimal.
+        assert!(extract(&format!("--error {}", 1.000_001 * error)).1 <= got);
+        last = (error, got);
+    }
+    let (answer, got) = extract("--ratio 1");
+    assert_eq!((answer["error"].as_f64(), got), (Some(0.0), all));
+    for least in ["--triangles 0", "--vertices 0", "--ratio 0", "--level 0", "--error 1e30"] {
+        assert_eq!(extract(least).1, number(&built["base_triangles"]), "{least}");
+    }
     assert_eq!(folder.names(), ["all.mres", "out.glb"]);
 }
 
@@ -322,10 +364,9 @@ fn bad_usage_is_said_before_anything_is_read() {
 #[test]
 fn bad_input_leaves_the_output_alone() {
     let folder = Folder::new("hierarchy-bad");
-    let [old, bad, tom, good] = ["old.ply", "bad.mres", "tom.mres", "good.ply"].map(|n| folder.file(n));
+    let [old, bad, other] = ["old.ply", "bad.mres", "other.mres"].map(|n| folder.file(n));
     let (file, _) = baked(&folder, &shapes::icosphere(3), "");
-    io::write(&good, &shapes::icosphere(2)).unwrap();
-    json("build", &[&good, &tom], "--structure tom").answer();
+    io::write_baked(&other, "mesh", &shapes::icosphere(2)).unwrap();
     std::fs::write(&old, b"old").unwrap();
     let view = "--eye 0,0,2 --target 0,0,0";
     let refused = |file: &Path, view: &str| {
@@ -334,9 +375,9 @@ fn bad_input_leaves_the_output_alone() {
         reason
     };
     assert!(refused(&folder.file("none.mres"), view).contains("none.mres"));
-    assert!(refused(&tom, view).contains("\"tom\""));
+    assert!(refused(&other, view).contains("\"mesh\""));
+    assert!(json("extract", &[&other, &old], "--ratio 1").refusal().contains("\"mesh\""));
     assert!(refused(&file, "--eye 1e300,0,0 --target 0,0,0").contains("finite"));
-    assert!(json("extract", &[&file, &old], "--ratio 1").refusal().contains("\"hierarchy\""));
 
     let bytes = std::fs::read(&file).unwrap();
     for at in (0..bytes.len()).step_by(bytes.len() / 12) {
@@ -383,7 +424,7 @@ fn bad_input_leaves_the_output_alone() {
 fn nothing_is_adapted_to_nothing() {
     let folder = Folder::new("hierarchy-none");
     let [file, out, frames] = ["all.mres", "out.ply", "frames.csv"].map(|n| folder.file(n));
-    let bundle = multires::hierarchy::HierarchyBuilder::new().build(&Mesh::default()).unwrap();
+    let bundle = multires::hierarchy::HierarchyBuilder::new().bake(&Mesh::default()).unwrap();
     io::write_baked(&file, "hierarchy", &bundle).unwrap();
     assert_eq!(number(&json("info", &[&file], "").answer()["splits"]), 0);
     assert!(adapt(&file, &out, "--eye 0,0,1 --target 0,0,0").1.triangles().is_empty());

@@ -9,6 +9,7 @@ mod wavelet;
 use std::path::{Path, PathBuf};
 
 use command::{Folder, json, run};
+use multires::Baked;
 use multires::io;
 use multires::mesh::{Mesh, Report, names, shapes};
 use multires::wavelet::{Normals, WaveletBuilder, WaveletMesh, WaveletOptions};
@@ -65,7 +66,16 @@ fn wavelets_are_baked_and_described() {
     for (bound, shape) in [("conservative", "spheroid"), ("without-siblings", "hoppe")] {
         let (file, built) = baked(&folder, &mesh, &format!("--bound {bound} --shape {shape}"));
         let info = json("info", &[&file], "").answer();
-        for key in ["levels", "base_triangles", "wavelets", "vertices", "triangles", "by_level", "memory"] {
+        for key in [
+            "levels",
+            "base_triangles",
+            "wavelets",
+            "vertices",
+            "triangles",
+            "by_level",
+            "memory",
+            "origins_memory",
+        ] {
             assert_eq!(built[key], info[key], "{key}");
             assert!(!info[key].is_null(), "{key}");
         }
@@ -205,7 +215,7 @@ fn nearer_is_finer_and_a_budget_is_kept() {
         let (answer, level) = take("adapt", &file, &out, &format!("--eye 0.3,0.2,{distance} --target 0,0,0"));
         assert!(level.triangles().len() < last, "{distance}");
         last = level.triangles().len();
-        assert!(number(&answer["wavelets"]) > 0 && answer["splits"].is_null());
+        assert!(number(&answer["refinements"]) > 0 && answer["splits"].is_null());
         assert!(level.attribute(names::NORMAL).is_some() && !level.materials().is_empty());
         assert!(Report::welded(&level).is_closed());
     }
@@ -236,8 +246,10 @@ fn a_flight_is_a_row_a_frame_within_its_limits() {
         path += &format!("{frame},{},0.2,{},0,0,0\n", 0.9 * angle.sin(), 0.9 * angle.cos());
     }
     std::fs::write(&camera, path).unwrap();
-    // With normals and without: what is written for a vertex is 24 bytes, or 12.
-    for (mesh, per_vertex) in [(crate_box(), 24.0), (sphere(5), 12.0)] {
+    // With attributes and without: what is written for a vertex is all that it has.
+    for mesh in [crate_box(), sphere(5)] {
+        let width: usize = mesh.attributes().iter().map(|attribute| attribute.width()).sum();
+        let per_vertex = 12.0 + 4.0 * width as f64;
         let (file, _) = baked(&folder, &mesh, "");
         let options = format!("--path {} --csv {}", camera.display(), frames.display());
         let fly = |more: &str| {
@@ -368,7 +380,7 @@ fn nothing_is_adapted_to_nothing() {
     let folder = Folder::new("wavelet-none");
     let [file, out] = ["all.mres", "out.ply"].map(|n| folder.file(n));
     let none = WaveletBuilder::new(&Mesh::default()).unwrap().build(&WaveletOptions::default()).unwrap();
-    io::write_baked(&file, "wavelet", &none).unwrap();
+    Baked::from(none).write(&file).unwrap();
     assert_eq!(number(&json("info", &[&file], "").answer()["wavelets"]), 0);
     assert!(take("adapt", &file, &out, "--eye 0,0,1 --target 0,0,0").1.triangles().is_empty());
     for how in ["--level 0", "--level 3", "--ratio 1", "--error 0"] {

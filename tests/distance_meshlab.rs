@@ -43,10 +43,10 @@
 //! ```
 #![cfg(all(feature = "quality", feature = "io"))]
 
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-};
+#[path = "support/models.rs"]
+mod models;
+
+use std::{collections::HashMap, path::PathBuf};
 
 use multires::{
     io,
@@ -89,14 +89,7 @@ const PAIRS: [Pair; 3] = [
 ];
 
 fn model(pair: &Pair) -> Option<Mesh> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    let path = root.join(pair.file);
-    if !path.exists() {
-        eprintln!("distance_meshlab: skipping {}: no {} (set MULTIRES_MODELS)", pair.name, path.display());
-        return None;
-    }
-    Some(io::read(&path).unwrap())
+    models::read("distance_meshlab", pair.file)
 }
 
 /// All vertices of a grid cell merged into the first of them.

@@ -3,10 +3,11 @@
 #![allow(clippy::single_range_in_vec_init)] // One material is a list of one range.
 
 use multires::MeshError;
-use multires::hierarchy::{Dependencies, VertexHierarchy};
+use multires::hierarchy::{Dependencies, HierarchyOptions, VertexHierarchy};
+use multires::lod::Baked;
 use multires::mesh::{Attribute, AttributeValues, Mesh, Topology, names, shapes};
 use multires::simplify::{CollapseSequence, Placement, Simplifier};
-use multires::tom::{Level, TomError, TotallyOrderedMesh};
+use multires::tom::{Level, TomOptions, TotallyOrderedMesh};
 use proptest::prelude::*;
 
 /// What skinned characters have: 52 bytes.
@@ -115,6 +116,14 @@ fn simplified(mesh: &Mesh) -> CollapseSequence {
     Simplifier::new().run(mesh).unwrap()
 }
 
+fn ordered(mesh: &Mesh, sequence: &CollapseSequence) -> Baked<TotallyOrderedMesh> {
+    Baked::of_sequence(mesh, sequence, &TomOptions::default()).unwrap()
+}
+
+fn hierarchy(mesh: &Mesh, sequence: &CollapseSequence) -> Baked<VertexHierarchy> {
+    Baked::of_sequence(mesh, sequence, &HierarchyOptions::default()).unwrap()
+}
+
 /// Every triangle of a level is the image of one of the input, and wears on each corner the vertex of its own side of a seam:
 /// faces of a box keep one normal.
 #[test]
@@ -123,11 +132,11 @@ fn vertices_of_any_type_follow_with_their_seams() {
     let all = vertices(&shape);
     let mesh = mesh_of(&all, &shape);
     let sequence = simplified(&mesh);
-    let tom = TotallyOrderedMesh::build(&mesh, &sequence).unwrap();
-    let arranged = tom.arrange(&all).unwrap();
+    let model = ordered(&mesh, &sequence);
+    let (tom, arranged) = (model.structure(), model.arrange(&all).unwrap());
     let (mut indices, mut levels) = (Vec::new(), 0);
     for triangles in [400, 200, 100, 50, 12] {
-        tom.tom.fill_indices(tom.tom.at(Level::Triangles(triangles)), &mut indices);
+        tom.fill_indices(tom.at(Level::Triangles(triangles)), &mut indices);
         for corners in indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| arranged[corners[i] as usize].normal);
             assert!(a == b && b == c, "{a:?} {b:?} {c:?}");
@@ -135,9 +144,9 @@ fn vertices_of_any_type_follow_with_their_seams() {
         }
     }
     assert!(levels > 500);
-    let hierarchy = VertexHierarchy::build(&mesh, &sequence, Dependencies::None).unwrap();
-    let order: Vec<Vertex> = hierarchy.vertex_order.iter().map(|&v| all[v as usize]).collect();
-    assert_eq!(hierarchy.arrange(&all).unwrap(), order);
+    let built = VertexHierarchy::build(&mesh, &sequence, Dependencies::None).unwrap();
+    let order: Vec<Vertex> = built.vertex_order.iter().map(|&v| all[v as usize]).collect();
+    assert_eq!(hierarchy(&mesh, &sequence).arrange(&all).unwrap()[..], order);
 }
 
 #[test]
@@ -146,15 +155,14 @@ fn a_seam_that_the_mesh_does_not_know_is_refused() {
     let all = vertices(&shape);
     let blind = Mesh::new(shape.positions(), shape.triangles()).unwrap();
     let sequence = simplified(&blind);
-    let tom = TotallyOrderedMesh::build(&blind, &sequence).unwrap();
-    let hierarchy = VertexHierarchy::build(&blind, &sequence, Dependencies::None).unwrap();
+    let (tom, hierarchy) = (ordered(&blind, &sequence), hierarchy(&blind, &sequence));
     let refused = tom.arrange(&all).unwrap_err();
-    let TomError::Mesh(MeshError::Folded { vertices: [a, b] }) = refused else { panic!("{refused}") };
+    let MeshError::Folded { vertices: [a, b] } = refused else { panic!("{refused}") };
     assert_eq!(shape.positions()[a as usize], shape.positions()[b as usize]);
     assert_ne!(all[a as usize], all[b as usize]);
-    assert_eq!(hierarchy.arrange(&all), Err(MeshError::Folded { vertices: [a, b] }));
+    assert_eq!(hierarchy.arrange(&all).unwrap_err(), MeshError::Folded { vertices: [a, b] });
     // Without comparing, on one's own account; and where nothing differs.
-    assert_eq!(tom.arrange_any(&all).unwrap().len(), all.len());
+    assert_eq!(tom.origins().arrange_any(&all).unwrap().len(), all.len() - sequence.aliases().len());
     assert!(tom.arrange(shape.positions()).is_ok() && hierarchy.arrange(shape.positions()).is_ok());
 }
 
@@ -177,8 +185,8 @@ fn noise_within_the_tolerances_is_no_lost_seam() {
         .unwrap();
     let sequence = simplified(&mesh);
     assert!(!sequence.aliases().is_empty());
-    let tom = TotallyOrderedMesh::build(&mesh, &sequence).unwrap();
-    assert_eq!(tom.arrange(&normals).unwrap().len(), normals.len());
+    let arranged = ordered(&mesh, &sequence).arrange(&normals).unwrap();
+    assert_eq!(arranged.len(), normals.len() - sequence.aliases().len());
 }
 
 /// Zeros of both signs are one place, and arranging positions is no lost seam; nor is what no triangle uses.
@@ -189,24 +197,25 @@ fn zeros_and_unused_vertices_differ_at_will() {
     let positions = [&right[..], &left, &right].concat();
     let mesh = Mesh::new(positions, [[0, 1, 2], [3, 5, 4]]).unwrap();
     let sequence = simplified(&mesh);
-    let tom = TotallyOrderedMesh::build(&mesh, &sequence).unwrap();
-    let hierarchy = VertexHierarchy::build(&mesh, &sequence, Dependencies::None).unwrap();
+    let (tom, hierarchy) = (ordered(&mesh, &sequence), hierarchy(&mesh, &sequence));
     assert!(tom.arrange(mesh.positions()).is_ok() && hierarchy.arrange(mesh.positions()).is_ok());
     let numbers: Vec<u32> = (0..9).map(|v| if v < 6 { 0 } else { v }).collect();
     assert!(tom.arrange(&numbers).is_ok() && hierarchy.arrange(&numbers).is_ok());
     // Too few are that, and no lost seam.
     let short = MeshError::LengthMismatch { what: "values".into(), found: 8, expected: 9 };
-    assert_eq!(tom.arrange(&numbers[1..]), Err(TomError::Mesh(short.clone())));
-    assert_eq!(hierarchy.arrange(&numbers[1..]), Err(short));
+    assert_eq!(tom.arrange(&numbers[1..]).unwrap_err(), short);
+    assert_eq!(hierarchy.arrange(&numbers[1..]).unwrap_err(), short);
 }
 
 #[test]
 fn vertices_made_by_collapses_need_a_blend() {
     let mesh = shapes::icosphere(3);
     let sequence = Simplifier::new().placement(Placement::Optimal).run(&mesh).unwrap();
-    let hierarchy = VertexHierarchy::build(&mesh, &sequence, Dependencies::None).unwrap();
-    let refused = hierarchy.arrange(mesh.positions());
-    assert_eq!(refused, Err(MeshError::NewVertices { count: sequence.new_vertices().len() }));
+    let hierarchy = hierarchy(&mesh, &sequence);
+    let refused = hierarchy.arrange(mesh.positions()).unwrap_err();
+    assert_eq!(refused, MeshError::NewVertices { count: sequence.new_vertices().len() });
+    let blended = hierarchy.arrange_blended(mesh.positions(), |place, at| *place = at).unwrap();
+    assert_eq!(blended[..], *hierarchy.vertices().positions());
 }
 
 proptest! {

@@ -6,22 +6,15 @@
 
 #[path = "support/apart.rs"]
 mod apart;
-
-use std::path::{Path, PathBuf};
+#[path = "support/models.rs"]
+mod models;
 
 use apart::Input;
+use multires::mesh::Mesh;
 use multires::simplify::{Parts, Simplifier};
-use multires::{io, mesh::Mesh};
 
 fn model(file: &str) -> Option<Mesh> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    let path = root.join(file);
-    if !path.exists() {
-        eprintln!("game_honesty: skipping {file}: no {} (set MULTIRES_MODELS)", path.display());
-        return None;
-    }
-    Some(io::read(&path).unwrap())
+    models::read("game_honesty", file)
 }
 
 /// Game models and small cases of made things.

@@ -5,8 +5,9 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, Refinements};
+use multires::adapt::Refinements;
 use multires::hierarchy::{Dependencies, HierarchyBuild, HierarchyLod, VertexHierarchy};
+use multires::lod::Lod;
 use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, Placement, Simplifier};
 use multires::view::Motion;
@@ -77,7 +78,7 @@ proptest! {
         upload.take(&mut lod, 0);
         for (i, (seed, share)) in steps.into_iter().enumerate() {
             let asked = Random::new(&hierarchy, seed, share);
-            lod.adapt_by(&asked, Motion::Other);
+            lod.adapt_by(&asked, Motion::Other, 0.0);
             prop_assert_eq!(wanted(&hierarchy, lod.cut()), closure(&hierarchy, &asked.needed));
             prop_assert_eq!(drawn(&lod), image_at(&hierarchy, lod.cut()));
             if let Some(vertices) = lod.vertices() {
@@ -120,9 +121,9 @@ proptest! {
             eye = std::array::from_fn(|i| eye[i] + step[i] * size);
             turn += angle * size;
             let view = view(&mesh, eye, turn, tolerance).of_world();
-            lod.adapt(std::slice::from_ref(&view));
+            lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
             let mut fresh = HierarchyLod::new(hierarchy.clone());
-            fresh.adapt(&[view]);
+            fresh.adapt(&[view], 1.0 / 60.0);
             prop_assert_eq!(wanted(&hierarchy, lod.cut()), wanted(&hierarchy, fresh.cut()));
             prop_assert_eq!(drawn(&lod), drawn(&fresh));
         }

@@ -2,21 +2,20 @@
 
 mod support;
 
-use std::sync::Arc;
-
-use multires::adapt::{Geomorph, LevelOfDetail, LodOptions, ShortIndices};
-use multires::hierarchy::{HierarchyLod, MorphedLod, VertexHierarchy};
+use multires::adapt::Geomorph;
+use multires::hierarchy::HierarchyLod;
+use multires::lod::{Lod, LodOptions, ShortIndices, VertexBuffer};
 use multires::mesh::{Mesh, shapes};
 use multires::simplify::Simplifier;
 use peak_alloc::PeakAlloc;
-use support::lod::{POLICIES, view};
+use support::lod::{Limited, POLICIES, bake_hierarchy, places, view};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// A flight to and around the mesh, with a jump, from the coarsest and back to it. Whether no more memory was in use at any
 /// time than before.
-fn fly(mesh: &Mesh, lod: &mut impl LevelOfDetail, short: &mut ShortIndices) -> bool {
+fn fly(mesh: &Mesh, lod: &mut impl Lod, short: &mut ShortIndices) -> bool {
     let views: Vec<_> = (0..80)
         .map(|frame| {
             let angle = frame as f32 * 0.05;
@@ -29,7 +28,7 @@ fn fly(mesh: &Mesh, lod: &mut impl LevelOfDetail, short: &mut ShortIndices) -> b
     let mut written = 0;
     let rest: &[_] = &[];
     for views in views.iter().map(|views| &views[..]).chain([rest; 80]) {
-        lod.adapt_in(views, 1.0 / 60.0);
+        lod.adapt(views, 1.0 / 60.0);
         short.update(lod, 0);
         written += lod.dirty_triangles(0, 4).map(|range| range.len()).sum::<usize>();
         written += lod.dirty_vertices(4).map(|range| range.len()).sum::<usize>();
@@ -45,9 +44,8 @@ fn the_second_flight_allocates_nothing() {
     let mesh = shapes::rock(6_000, 2);
     let sequence = Simplifier::new().run(&mesh).unwrap();
     for policy in [0, 2] {
-        let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();
-        let places: Arc<[[f32; 3]]> = built.positions(mesh.positions()).unwrap().into();
-        let hierarchy = Arc::new(built.hierarchy);
+        let model = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);
+        let (places, hierarchy) = (places(&model), model.structure());
         let check = |name: &str, lod: &mut dyn FnMut(&mut ShortIndices) -> bool| {
             let mut short = ShortIndices::default();
             assert!(!lod(&mut short), "{name}, policy {policy}: the first flight must grow buffers");
@@ -60,20 +58,15 @@ fn the_second_flight_allocates_nothing() {
             LodOptions::default().with_operations(Some(60)).with_triangles(Some(1_500)),
         ];
         for (i, options) in limits.into_iter().enumerate() {
-            let mut lod = HierarchyLod::new(hierarchy.clone()).with_options(options);
+            let mut lod = HierarchyLod::new(hierarchy.clone()).limited(options);
             check(&format!("static {i}"), &mut |short| fly(&mesh, &mut lod, short));
-            let mut lod = HierarchyLod::packed(hierarchy.clone()).with_options(options);
+            let mut lod = HierarchyLod::packed(hierarchy.clone()).limited(options);
             check(&format!("packed {i}"), &mut |short| fly(&mesh, &mut lod, short));
             let geomorph = Geomorph::default().with_frames(10.0);
-            let mut lod = MorphedLod::new(hierarchy.clone(), places.clone())
-                .unwrap()
-                .with_options(options)
-                .with_geomorph(geomorph);
+            let moving = options.with_geomorph(geomorph);
+            let mut lod = model.instance(places.clone(), &moving.with_buffer(VertexBuffer::Whole)).unwrap();
             check(&format!("morphed {i}"), &mut |short| fly(&mesh, &mut lod, short));
-            let mut lod = MorphedLod::packed(hierarchy.clone(), places.clone())
-                .unwrap()
-                .with_options(options)
-                .with_geomorph(geomorph);
+            let mut lod = model.instance(places.clone(), &moving.with_buffer(VertexBuffer::Packed)).unwrap();
             check(&format!("morphed and packed {i}"), &mut |short| fly(&mesh, &mut lod, short));
         }
     }

@@ -1,9 +1,9 @@
 //! Promise: a baked hierarchy takes no more memory than a multiple of its file, whatever the file says; nor do its instances.
 #![cfg(feature = "io")]
 
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, HierarchyMesh};
+use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, VertexHierarchy};
 use multires::io::{bake, unbake};
+use multires::lod::{Baked, Lod, Structure};
 use multires::mesh::shapes;
 use multires::simplify::Placement;
 use multires::view::{View, look_at};
@@ -42,31 +42,31 @@ fn memory_is_a_multiple_of_the_file() {
     let bundle = HierarchyBuilder::new()
         .placement(Placement::Optimal)
         .dependencies(Dependencies::Neighbours)
-        .build(&mesh)
+        .bake(&mesh)
         .unwrap();
-    let bytes = bake(HierarchyMesh::KIND, &bundle).unwrap();
-    let (held, back) = peak(|| unbake::<HierarchyMesh>(HierarchyMesh::KIND, &bytes).unwrap());
+    let bytes = bake(VertexHierarchy::KIND, &bundle).unwrap();
+    let (held, back) = peak(|| unbake::<Baked<VertexHierarchy>>(VertexHierarchy::KIND, &bytes).unwrap());
     assert!(held <= FACTOR * bytes.len() + FLOOR, "{held} of {}", bytes.len());
 
     let (held, lod) = peak(|| {
-        let mut lod = HierarchyLod::packed(back.hierarchy().clone());
+        let mut lod = HierarchyLod::packed(back.structure().clone());
         let matrix = look_at([0.0, 0.0, 0.1], [0.0; 3], [0.0, 1.0, 0.0]);
         let view = View::perspective(matrix, 1.0, [1000, 1000]).unwrap().with_tolerance_px(0.0);
-        lod.adapt(&[view.with_frustum(false).with_back_faces_culled(false).of_world()]);
+        lod.adapt(&[view.with_frustum(false).with_back_faces_culled(false).of_world()], 1.0 / 60.0);
         lod
     });
     assert_eq!(lod.triangles(0).len(), mesh.triangles().len());
     assert!(held <= FACTOR * bytes.len() + FLOOR, "{held} of {}", bytes.len());
 
     // Any length or number in a small file made as large as can be.
-    let small = HierarchyBuilder::new().build(&shapes::icosphere(2)).unwrap();
-    let content = bake(HierarchyMesh::KIND, &small).unwrap().split_off(44);
+    let small = HierarchyBuilder::new().bake(&shapes::icosphere(2)).unwrap();
+    let content = bake(VertexHierarchy::KIND, &small).unwrap().split_off(44);
     for at in (0..content.len() - 8).step_by(4) {
         for value in [u64::MAX, 1 << 32, 1 << 30, 1 << 24] {
             let mut forged = content.clone();
             forged[at..at + 8].copy_from_slice(&value.to_le_bytes());
-            let bytes = bake(HierarchyMesh::KIND, &Raw(&forged)).unwrap();
-            let (held, _) = peak(|| unbake::<HierarchyMesh>(HierarchyMesh::KIND, &bytes).is_ok());
+            let bytes = bake(VertexHierarchy::KIND, &Raw(&forged)).unwrap();
+            let (held, _) = peak(|| unbake::<Baked<VertexHierarchy>>(VertexHierarchy::KIND, &bytes).is_ok());
             assert!(held <= FACTOR * bytes.len() + FLOOR, "{held} of {} at {at}", bytes.len());
         }
     }

@@ -4,13 +4,14 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, LodOptions, Refinements};
+use multires::adapt::Refinements;
 use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+use multires::lod::{Lod, LodOptions};
 use multires::mesh::Mesh;
 use multires::simplify::{Placement, Simplifier};
 use multires::view::{Bounds, Criterion, Focus, ObjectView};
 use proptest::prelude::*;
-use support::lod::{POLICIES, assert_valid, shape, view, wanted};
+use support::lod::{Limited, POLICIES, assert_valid, shape, view, wanted};
 
 fn hierarchy(mesh: &Mesh, optimal: bool, policy: usize) -> Arc<VertexHierarchy> {
     let placement = if optimal { Placement::Optimal } else { Placement::Endpoint };
@@ -19,7 +20,7 @@ fn hierarchy(mesh: &Mesh, optimal: bool, policy: usize) -> Arc<VertexHierarchy> 
 }
 
 fn within(hierarchy: &Arc<VertexHierarchy>, most: usize) -> HierarchyLod {
-    HierarchyLod::new(hierarchy.clone()).with_options(LodOptions::default().with_triangles(Some(most)))
+    HierarchyLod::new(hierarchy.clone()).limited(LodOptions::default().with_triangles(Some(most)))
 }
 
 /// A view, perhaps of another kind.
@@ -63,25 +64,25 @@ proptest! {
             turn += angle * size;
             let view = seen(&mesh, eye, turn, tolerance, kind);
             for (lod, most) in lods.iter_mut().zip(budgets) {
-                let change = lod.adapt(std::slice::from_ref(&view));
+                let change = lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
                 assert_valid(lod);
                 prop_assert!(change.triangles <= most.max(base));
                 prop_assert_eq!(change.triangles, lod.surface().triangle_count());
                 prop_assert_eq!(change.over_budget, change.triangles > most);
-                let again = lod.adapt(std::slice::from_ref(&view));
+                let again = lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
                 prop_assert_eq!((again.cut.splits, again.cut.collapses), (0, 0));
                 prop_assert!(again.cut.tests == 0 || again.over_budget);
             }
             // Instances that come here from nowhere: nested in their budgets, and no more than the view asks for.
             let fresh = |most: usize| {
                 let mut lod = within(&hierarchy, most);
-                lod.adapt(std::slice::from_ref(&view));
+                lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
                 lod
             };
             let few = fresh(budgets[0].min(budgets[1]));
             let many = fresh(budgets[0].max(budgets[1]));
             let mut all = HierarchyLod::new(hierarchy.clone());
-            all.adapt(std::slice::from_ref(&view));
+            all.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
             for split in 0..hierarchy.split_count() as u32 {
                 prop_assert!(!few.shows(split) || many.shows(split));
                 prop_assert!(!many.shows(split) || all.shows(split));
@@ -139,9 +140,9 @@ fn the_budget_is_spent() {
         for frame in 0..200 {
             let angle = frame as f32 * 0.03;
             let view = view(&mesh, [angle.sin(), 0.0, angle.cos()], angle, 0.01).of_world();
-            let change = lod.adapt(std::slice::from_ref(&view));
+            let change = lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
             assert!((700..=800).contains(&change.triangles), "{} in frame {frame}", change.triangles);
-            let still = lod.adapt(&[view]);
+            let still = lod.adapt(&[view], 1.0 / 60.0);
             assert_eq!(still.cut.tests, 0);
         }
     }
@@ -154,10 +155,10 @@ fn a_base_above_the_budget_is_drawn_and_said_so() {
     let base = hierarchy.base_triangle_count();
     assert!(base > 0);
     let mut lod = within(&hierarchy, base - 1);
-    let change = lod.adapt(&[view(&mesh, [0.0, 0.0, 1.0], 0.0, 0.1).of_world()]);
+    let change = lod.adapt(&[view(&mesh, [0.0, 0.0, 1.0], 0.0, 0.1).of_world()], 1.0 / 60.0);
     assert_eq!((change.triangles, change.over_budget), (base, true));
-    lod.set_options(LodOptions::default().with_triangles(Some(base + 50)));
-    let change = lod.adapt(&[view(&mesh, [0.0, 0.0, 1.0], 0.0, 0.1).of_world()]);
+    lod.limit(LodOptions::default().with_triangles(Some(base + 50)));
+    let change = lod.adapt(&[view(&mesh, [0.0, 0.0, 1.0], 0.0, 0.1).of_world()], 1.0 / 60.0);
     assert!(!change.over_budget && change.triangles > base);
 }
 
@@ -168,16 +169,16 @@ fn the_budget_may_change_in_stillness() {
     let hierarchy = hierarchy(&mesh, false, 1);
     let view = view(&mesh, [0.0, 0.0, 0.8], 0.0, 0.3).of_world();
     let mut all = HierarchyLod::new(hierarchy.clone());
-    let most = all.adapt(std::slice::from_ref(&view)).triangles;
+    let most = all.adapt(std::slice::from_ref(&view), 1.0 / 60.0).triangles;
     assert!(most > 900);
     let mut lod = within(&hierarchy, 300);
     for limit in [300, 800, 200, 900, most, most / 2] {
-        lod.set_options(LodOptions::default().with_triangles(Some(limit)));
-        let change = lod.adapt(std::slice::from_ref(&view));
+        lod.limit(LodOptions::default().with_triangles(Some(limit)));
+        let change = lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
         assert!((limit * 8 / 10..=limit).contains(&change.triangles), "{} of {limit}", change.triangles);
         assert_valid(&lod);
     }
-    lod.set_options(LodOptions::default());
-    assert_eq!(lod.adapt(&[view]).triangles, most);
+    lod.limit(LodOptions::default());
+    assert_eq!(lod.adapt(&[view], 1.0 / 60.0).triangles, most);
     assert_eq!(wanted(&hierarchy, lod.cut()), wanted(&hierarchy, all.cut()));
 }

@@ -2,14 +2,15 @@
 
 mod support;
 
-use std::sync::Arc;
-
-use multires::adapt::{Blend, Geomorph, LevelOfDetail, LodOptions};
-use multires::hierarchy::{HierarchyLod, MorphedLod, VertexHierarchy};
+use multires::adapt::{Blend, Geomorph};
+use multires::hierarchy::HierarchyLod;
+use multires::lod::{Lod, LodOptions, VertexBuffer};
 use multires::simplify::{Placement, Simplifier};
 use multires::view::Motion;
 use proptest::prelude::*;
-use support::lod::{POLICIES, Random, assert_valid, drawn, shape, shown, view, wanted};
+use support::lod::{
+    POLICIES, Random, assert_valid, bake_hierarchy, drawn, places, shape, shown, view, wanted,
+};
 
 type Place = [f32; 3];
 
@@ -18,7 +19,7 @@ fn distance(a: Place, b: Place) -> f32 {
 }
 
 /// A copy of the vertex buffer, kept by dirty ranges alone.
-fn upload(lod: &mut MorphedLod<Place>, buffer: &mut Vec<Place>, gap: usize) {
+fn upload(lod: &mut HierarchyLod<Place>, buffer: &mut Vec<Place>, gap: usize) {
     buffer.resize(lod.values().len(), [f32::NAN; 3]);
     for range in lod.dirty_vertices(gap) {
         buffer[range.clone()].copy_from_slice(&lod.values()[range]);
@@ -27,7 +28,7 @@ fn upload(lod: &mut MorphedLod<Place>, buffer: &mut Vec<Place>, gap: usize) {
 }
 
 /// What is in the buffer is where the vertices are.
-fn assert_drawn(lod: &MorphedLod<Place>, buffer: &[Place]) {
+fn assert_drawn(lod: &HierarchyLod<Place>, buffer: &[Place]) {
     for group in 0..lod.groups() {
         for &index in lod.triangles(group).as_flattened() {
             let vertex = lod.vertices().map_or(index, |vertices| vertices[index as usize]);
@@ -51,26 +52,25 @@ proptest! {
         // Few kinds, so that the same is asked for again while it is on its way out.
         steps in prop::collection::vec((0u64..4, 60u64..110, prop::collection::vec(0usize..5, 1..6)), 1..12),
     ) {
-        let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();
-        let places: Arc<[Place]> = built.positions(mesh.positions()).unwrap().into();
-        let hierarchy = Arc::new(built.hierarchy);
-        let new = if packed { MorphedLod::packed } else { MorphedLod::new };
+        let model = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);
+        let (places, hierarchy) = (places(&model), model.structure());
+        let buffer = if packed { VertexBuffer::Packed } else { VertexBuffer::Whole };
         let options = LodOptions::default().with_operations(operations).with_triangles(triangles);
-        let geomorph = Geomorph::default().with_duration(1.0);
-        let mut lod = new(hierarchy.clone(), places.clone()).unwrap().with_options(options).with_geomorph(geomorph);
+        let options = options.with_buffer(buffer).with_geomorph(Geomorph::default().with_duration(1.0));
+        let mut lod = model.instance(places.clone(), &options).unwrap();
         let size = places.iter().flat_map(|&a| places.iter().map(move |&b| distance(a, b))).fold(0.0, f32::max);
         let leaves = || hierarchy.triangles().as_flattened().iter().copied();
-        let at = |lod: &MorphedLod<Place>| -> Vec<Place> {
-            leaves().map(|leaf| lod.value(lod.lod().stand_in(leaf)).unwrap()).collect()
+        let at = |lod: &HierarchyLod<Place>| -> Vec<Place> {
+            leaves().map(|leaf| lod.value(lod.stand_in(leaf)).unwrap()).collect()
         };
         let mut before = at(&lod);
         let mut buffer = Vec::new();
         for (seed, share, frames) in steps {
-            let asked = Random::new(&hierarchy, seed, share);
+            let asked = Random::new(hierarchy, seed, share);
             for frame in frames {
                 let seconds = [0.0, 0.002, 0.05, 0.3, 0.6][frame];
                 let change = lod.adapt_by(&asked, Motion::Other, seconds);
-                assert_valid(lod.lod());
+                assert_valid(&lod);
                 prop_assert!(operations.is_none_or(|most| change.cut.splits + change.cut.collapses <= most));
                 prop_assert!(triangles.is_none_or(|most| change.triangles <= most || change.over_budget));
                 let now = at(&lod);
@@ -85,13 +85,13 @@ proptest! {
             }
         }
         // In the end all is at its place.
-        let asked = Random::new(&hierarchy, 5, 70);
+        let asked = Random::new(hierarchy, 5, 70);
         for _ in 0..5 * (hierarchy.split_count() + 1) {
             lod.adapt_by(&asked, Motion::Other, 0.4);
         }
         prop_assert_eq!(lod.moving(), 0);
-        prop_assert_eq!(shown(lod.lod()), wanted(&hierarchy, lod.lod().cut()));
-        for vertex in leaves().map(|leaf| lod.lod().stand_in(leaf)) {
+        prop_assert_eq!(shown(&lod), wanted(hierarchy, lod.cut()));
+        for vertex in leaves().map(|leaf| lod.stand_in(leaf)) {
             prop_assert_eq!(lod.value(vertex), Some(places[vertex as usize]));
         }
         upload(&mut lod, &mut buffer, 0);
@@ -105,19 +105,19 @@ proptest! {
         policy in 0usize..3,
         steps in prop::collection::vec((any::<u64>(), 0u64..110), 1..6),
     ) {
-        let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();
-        let places: Arc<[Place]> = built.positions(mesh.positions()).unwrap().into();
-        let hierarchy = Arc::new(built.hierarchy);
-        let mut lod = MorphedLod::packed(hierarchy.clone(), places).unwrap();
+        let model = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);
+        let hierarchy = model.structure();
+        let options = LodOptions::default().with_buffer(VertexBuffer::Packed).with_geomorph(Geomorph::default());
+        let mut lod = model.instance(places(&model), &options).unwrap();
         let mut at_once = HierarchyLod::new(hierarchy.clone());
         let mut buffer = Vec::new();
         for (seed, share) in steps {
-            let mut asked = Random::new(&hierarchy, seed, share);
+            let mut asked = Random::new(hierarchy, seed, share);
             asked.seen = false;
             lod.adapt_by(&asked, Motion::Other, 0.001);
-            at_once.adapt_by(&asked, Motion::Other);
+            at_once.adapt_by(&asked, Motion::Other, 0.0);
             prop_assert_eq!(lod.moving(), 0);
-            prop_assert_eq!(drawn(lod.lod()), drawn(&at_once));
+            prop_assert_eq!(drawn(&lod), drawn(&at_once));
             upload(&mut lod, &mut buffer, 1);
             assert_drawn(&lod, &buffer);
         }
@@ -125,13 +125,13 @@ proptest! {
 }
 
 /// A sphere of a second's morphs before a still eye, with what a view of it asks for.
-fn sphere(placement: Placement) -> (multires::Mesh, MorphedLod<Place>) {
+fn sphere(placement: Placement) -> (multires::Mesh, HierarchyLod<Place>) {
     let mesh = shape(2);
     let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
-    let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[0]).unwrap();
-    let places: Arc<[Place]> = built.positions(mesh.positions()).unwrap().into();
+    let model = bake_hierarchy(&mesh, &sequence, POLICIES[0]);
     let geomorph = Geomorph::default().with_duration(1.0).with_travel(f32::INFINITY).with_turn(f32::INFINITY);
-    let lod = MorphedLod::new(Arc::new(built.hierarchy), places).unwrap().with_geomorph(geomorph);
+    let options = LodOptions::default().with_buffer(VertexBuffer::Whole).with_geomorph(geomorph);
+    let lod = model.instance(places(&model), &options).unwrap();
     (mesh, lod)
 }
 
@@ -144,32 +144,32 @@ fn a_morph_takes_its_time_and_turns_round_where_it_is() {
             [view(&mesh, [0.0, 0.0, z], 0.0, tolerance).with_back_faces_culled(false).of_world()]
         };
         let (near, far) = (seen(1.2, 0.1), seen(40.0, 2.0));
-        lod.adapt_in(&far, 0.0);
+        lod.adapt(&far, 0.0);
         lod.settle();
         lod.clean();
-        let start = lod.adapt_in(&near, 0.25);
+        let start = lod.adapt(&near, 0.25);
         assert!(start.moving > 50 && start.pending == 0);
-        let all = lod.lod().surface().triangle_count();
-        let place = |lod: &MorphedLod<Place>| -> Vec<Place> { lod.values().to_vec() };
+        let all = lod.surface().triangle_count();
+        let place = |lod: &HierarchyLod<Place>| -> Vec<Place> { lod.values().to_vec() };
         let at_start = place(&lod);
-        assert_eq!(lod.adapt_in(&near, 0.5).moving, start.moving);
+        assert_eq!(lod.adapt(&near, 0.5).moving, start.moving);
         let half = place(&lod);
         // Back: from there, not from either end, and no triangle goes before its vertices have closed.
-        let back = lod.adapt_in(&far, 0.0);
+        let back = lod.adapt(&far, 0.0);
         assert_eq!((back.triangles, back.cut.collapses), (all, 0));
         assert!(back.pending > 0);
         assert_eq!(place(&lod), half);
         assert!(half != at_start);
-        let back = lod.adapt_in(&far, 0.5);
+        let back = lod.adapt(&far, 0.5);
         assert_eq!(back.triangles, all);
         // And forth again.
-        lod.adapt_in(&near, 0.0);
-        assert!(lod.adapt_in(&near, 0.99).moving > 0);
-        assert_eq!(lod.adapt_in(&near, 0.02).moving, 0);
-        let done = lod.adapt_in(&far, 0.0);
+        lod.adapt(&near, 0.0);
+        assert!(lod.adapt(&near, 0.99).moving > 0);
+        assert_eq!(lod.adapt(&near, 0.02).moving, 0);
+        let done = lod.adapt(&far, 0.0);
         assert!(done.moving > 0);
-        lod.adapt_in(&far, 0.6);
-        let gone = lod.adapt_in(&far, 0.6);
+        lod.adapt(&far, 0.6);
+        let gone = lod.adapt(&far, 0.6);
         assert!(gone.moving == 0 && gone.pending == 0 && gone.triangles < all);
     }
 }
@@ -181,29 +181,26 @@ fn nothing_jumps_where_much_happens_at_once() {
         for placement in [Placement::Endpoint, Placement::Optimal] {
             let mesh = shape(which);
             let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
-            let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();
-            let places: Arc<[Place]> = built.positions(mesh.positions()).unwrap().into();
-            let hierarchy = Arc::new(built.hierarchy);
+            let model = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);
+            let (places, hierarchy) = (places(&model), model.structure());
             let geomorph =
                 Geomorph::default().with_duration(1.0).with_travel(f32::INFINITY).with_turn(f32::INFINITY);
             let limits = LodOptions::default().with_operations(Some(150)).with_triangles(Some(1_000));
-            let mut lod = MorphedLod::packed(hierarchy.clone(), places.clone())
-                .unwrap()
-                .with_options(limits)
-                .with_geomorph(geomorph);
+            let options = limits.with_buffer(VertexBuffer::Packed).with_geomorph(geomorph);
+            let mut lod = model.instance(places.clone(), &options).unwrap();
             let seen = |at: usize| {
                 let eye = [[0.0, 0.0, 0.9], [0.6, 0.1, 0.4], [0.0, 0.0, 20.0], [-0.4, 0.3, 0.5]][at % 4];
                 [view(&mesh, eye, 0.0, 0.2).with_frustum(false).with_back_faces_culled(false).of_world()]
             };
-            let places_of = |lod: &MorphedLod<Place>| -> Vec<Place> {
+            let places_of = |lod: &HierarchyLod<Place>| -> Vec<Place> {
                 let leaves = hierarchy.triangles().as_flattened();
-                leaves.iter().map(|&leaf| lod.value(lod.lod().stand_in(leaf)).unwrap()).collect()
+                leaves.iter().map(|&leaf| lod.value(lod.stand_in(leaf)).unwrap()).collect()
             };
             let mut before = places_of(&lod);
             let (mut buffer, mut most_moving) = (Vec::new(), 0);
             for frame in 0..160 {
                 let seconds = [0.001, 0.0, 0.1, 0.001][frame % 4];
-                let change = lod.adapt_in(&seen(frame / 13), seconds);
+                let change = lod.adapt(&seen(frame / 13), seconds);
                 assert!(change.triangles <= 1_000 && change.cut.splits + change.cut.collapses <= 150);
                 most_moving = most_moving.max(lod.moving());
                 let now = places_of(&lod);
@@ -214,16 +211,16 @@ fn nothing_jumps_where_much_happens_at_once() {
                 upload(&mut lod, &mut buffer, 3);
                 assert_drawn(&lod, &buffer);
                 if frame % 8 == 0 {
-                    assert_valid(lod.lod());
+                    assert_valid(&lod);
                 }
             }
             assert!(most_moving > 100);
-            let mut change = lod.adapt_in(&seen(0), 0.3);
+            let mut change = lod.adapt(&seen(0), 0.3);
             for _ in 0..200 {
-                change = lod.adapt_in(&seen(0), 0.3);
+                change = lod.adapt(&seen(0), 0.3);
             }
             assert_eq!((change.pending, change.moving, lod.moving()), (0, 0, 0));
-            assert_eq!(shown(lod.lod()), wanted(&hierarchy, lod.lod().cut()));
+            assert_eq!(shown(&lod), wanted(hierarchy, lod.cut()));
             let vertices = lod.vertices().unwrap().iter();
             assert!(vertices.zip(lod.values()).all(|(&vertex, value)| *value == places[vertex as usize]));
         }
@@ -234,18 +231,18 @@ fn nothing_jumps_where_much_happens_at_once() {
 fn outside_the_frustum_nothing_is_morphed() {
     let (mesh, mut lod) = sphere(Placement::Endpoint);
     let eye = [0.0, 0.0, 1.2];
-    lod.adapt_in(&[view(&mesh, eye, 0.0, 0.1).of_world()], 0.0);
+    lod.adapt(&[view(&mesh, eye, 0.0, 0.1).of_world()], 0.0);
     lod.settle();
     let away = view(&mesh, eye, std::f32::consts::PI, 0.1);
-    let change = lod.adapt_in(&[away.of_world()], 0.01);
+    let change = lod.adapt(&[away.of_world()], 0.01);
     assert!(change.cut.collapses > 50);
     assert_eq!((change.moving, change.pending), (0, 0));
     // Where the frustum does not count, neither does it here.
     let mut lod = sphere(Placement::Endpoint).1;
-    lod.adapt_in(&[view(&mesh, eye, 0.0, 0.1).of_world()], 0.0);
+    lod.adapt(&[view(&mesh, eye, 0.0, 0.1).of_world()], 0.0);
     lod.settle();
     let far = view(&mesh, [0.0, 0.0, 60.0], 0.0, 4.0).with_frustum(false).with_back_faces_culled(false);
-    let change = lod.adapt_in(&[far.of_world()], 0.01);
+    let change = lod.adapt(&[far.of_world()], 0.01);
     assert!(change.moving > 0 && change.pending > 0);
 }
 
@@ -279,7 +276,8 @@ fn blends_are_exact_at_their_ends() {
 }
 
 /// A whole that only knows how to be mixed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 struct Mixed(f32);
 
 impl Blend for Mixed {

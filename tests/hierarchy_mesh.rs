@@ -3,15 +3,13 @@
 
 mod support;
 
-use std::sync::Arc;
-
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, HierarchyMesh, VertexHierarchy};
+use multires::hierarchy::{Dependencies, HierarchyBuilder, HierarchyLod, VertexHierarchy};
+use multires::lod::{Baked, Lod, LodOptions, VertexBuffer};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, names, shapes};
 use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
 use multires::view::{Motion, View, look_at};
 use proptest::prelude::*;
-use support::lod::{Random, drawn};
+use support::lod::{Random, bake_hierarchy, drawn, places};
 
 const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
 
@@ -76,9 +74,10 @@ fn dressed(mesh: Mesh) -> Mesh {
         .with_material_names(["stone", "moss"].map(str::to_owned))
 }
 
-fn instances(bundle: &HierarchyMesh) -> [HierarchyLod; 2] {
-    let shared = bundle.hierarchy();
-    [HierarchyLod::new(shared.clone()), HierarchyLod::packed(shared.clone())]
+/// Instances of all vertices and of those in use.
+fn instances(bundle: &Baked<VertexHierarchy>) -> [HierarchyLod<[f32; 3]>; 2] {
+    [VertexBuffer::Shared, VertexBuffer::Packed]
+        .map(|buffer| bundle.instance(places(bundle), &LodOptions::default().with_buffer(buffer)).unwrap())
 }
 
 proptest! {
@@ -93,16 +92,16 @@ proptest! {
     ) {
         let wedges = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
         let mesh = mesh.with_attribute(Attribute::new("wedge", 1, wedges)).unwrap();
-        let bundle = HierarchyMesh::new(&mesh, &sequence, POLICIES[policy]).unwrap();
+        let bundle = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);
         prop_assert!(bundle.vertices().triangles().is_empty());
         let [mut fixed, mut packed] = instances(&bundle);
-        prop_assert_eq!(whole(&bundle.mesh_at(&fixed)), whole(&sequence.extract(&mesh, sequence.len())));
+        prop_assert_eq!(whole(&fixed.to_mesh()), whole(&sequence.extract(&mesh, sequence.len())));
         for (step, share) in [100, 60, 30].into_iter().enumerate() {
-            let asked = Random::new(bundle.hierarchy(), seed ^ step as u64, share);
+            let asked = Random::new(bundle.structure(), seed ^ step as u64, share);
             let mut meshes = Vec::new();
             for lod in [&mut fixed, &mut packed] {
-                lod.adapt_by(&asked, Motion::Other);
-                let at = bundle.mesh_at(lod);
+                lod.adapt_by(&asked, Motion::Other, 0.0);
+                let at = lod.to_mesh();
                 prop_assert!(is_compact(&at));
                 let vertices: Vec<[Vec<u32>; 3]> =
                     drawn(lod).iter().map(|(_, t)| t.map(|v| words(bundle.vertices(), v as usize))).collect();
@@ -115,7 +114,7 @@ proptest! {
             if share == 100 {
                 prop_assert_eq!(content(&meshes[0]), whole(&sequence.extract(&mesh, 0)));
                 prop_assert_eq!(bundle.bounds(), meshes[0].bounds());
-                let triangles = bundle.hierarchy().triangle_count();
+                let triangles = bundle.structure().triangle_count();
                 prop_assert_eq!(triangles, meshes[0].triangles().len());
                 // Vertices that collapses name but no triangle uses are leaves too.
                 prop_assert!(bundle.plain_memory() >= meshes[0].memory());
@@ -133,37 +132,38 @@ fn a_model_keeps_all_it_has() {
         .unwrap();
     for placement in [Placement::Endpoint, Placement::Optimal] {
         let sequence = Simplifier::new().placement(placement).run(&mesh).unwrap();
-        let bundle = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
+        let bundle = bake_hierarchy(&mesh, &sequence, Dependencies::None);
         let [mut lod, _] = instances(&bundle);
         // A level as a mesh of its own gives up fitted texture coordinates where they would mirror one of its triangles.
         let level = sequence.extract(&mesh, sequence.len());
-        let seen = bundle.mesh_at(&lod);
+        let seen = lod.to_mesh();
         match placement {
             Placement::Endpoint => assert!(content(&seen) == content(&level)),
             _ => assert!(content(&without_uv(&seen)) == content(&without_uv(&level))),
         }
-        assert_eq!(bundle.mesh_at(&lod).material_names(), mesh.material_names());
-        lod.adapt_by(&Random::new(bundle.hierarchy(), 1, 100), Motion::Other);
-        let finest = bundle.mesh_at(&lod);
+        assert_eq!(lod.to_mesh().material_names(), mesh.material_names());
+        lod.adapt_by(&Random::new(bundle.structure(), 1, 100), Motion::Other, 0.0);
+        let finest = lod.to_mesh();
         assert!(content(&finest) == content(&mesh));
         assert_eq!(bundle.plain_memory(), finest.memory());
-        // Another instance of what is equal is taken, one of another mesh is not.
-        let twin = HierarchyLod::new(Arc::new(VertexHierarchy::clone(bundle.hierarchy())));
-        assert!(!bundle.mesh_at(&twin).triangles().is_empty());
-        let other = HierarchyBuilder::new().build(&shapes::rock(100, 1)).unwrap();
-        assert_eq!(bundle.mesh_at(&HierarchyLod::new(other.hierarchy().clone())), Mesh::default());
+        // One of triangles alone has no vertices to make a mesh of.
+        let mut bare = HierarchyLod::new(bundle.structure().clone());
+        assert!(!bare.triangles(0).is_empty());
+        assert_eq!(bare.to_mesh(), Mesh::default());
+        bare.refine_fully();
+        assert_eq!(bare.to_mesh(), Mesh::default());
     }
 }
 
 #[test]
 fn nothing_makes_nothing() {
     for mesh in [Mesh::default(), Mesh::new([[0.0; 3]; 3], [[0, 1, 1]]).unwrap()] {
-        let bundle = HierarchyBuilder::new().build(&mesh).unwrap();
+        let bundle = HierarchyBuilder::new().bake(&mesh).unwrap();
         let [mut lod, _] = instances(&bundle);
         let view = View::perspective(look_at([0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]), 1.0, [8, 8]).unwrap();
-        lod.adapt(&[view.of_world()]);
-        assert_eq!(bundle.mesh_at(&lod).triangles().len(), 0);
-        assert_eq!((bundle.bounds(), bundle.hierarchy().leaf_count()), (None, 0));
+        lod.adapt(&[view.of_world()], 1.0 / 60.0);
+        assert_eq!(lod.to_mesh().triangles().len(), 0);
+        assert_eq!((bundle.bounds(), bundle.structure().leaf_count()), (None, 0));
     }
 }
 
@@ -178,17 +178,17 @@ fn meshes_at_the_edge_of_what_is_legal() {
         for placement in [Placement::Endpoint, Placement::Midpoint] {
             let mut builder =
                 HierarchyBuilder::new().placement(placement).dependencies(Dependencies::Adjacent);
-            let bundle = builder.build(&mesh).unwrap();
-            assert_eq!(bundle.hierarchy().validate(), Ok(()), "{scale} {shift}");
+            let bundle = builder.bake(&mesh).unwrap();
+            assert_eq!(bundle.structure().validate(), Ok(()), "{scale} {shift}");
             let [mut lod, mut fresh] = instances(&bundle);
             for far in [0.1, 0.5, 1.0] {
                 let at = |x: f32| x * scale * far + shift;
                 let camera = look_at([at(1.0), at(0.5), at(0.2)], [shift; 3], [0.0, 1.0, 0.0]);
                 let Ok(view) = View::perspective(camera, 1.0, [640, 480]) else { continue };
-                lod.adapt(&[view.of_world()]);
-                fresh.adapt(&[]);
-                fresh.adapt(&[view.of_world()]);
-                assert_eq!(bundle.mesh_at(&lod), bundle.mesh_at(&fresh));
+                lod.adapt(&[view.of_world()], 1.0 / 60.0);
+                fresh.adapt(&[], 1.0 / 60.0);
+                fresh.adapt(&[view.of_world()], 1.0 / 60.0);
+                assert_eq!(lod.to_mesh(), fresh.to_mesh());
             }
         }
     }
@@ -204,18 +204,18 @@ fn one_call_is_all_calls() {
         .order(Order::Batched)
         .run(&mesh)
         .unwrap();
-    let by_hand = HierarchyMesh::new(&mesh, &sequence, Dependencies::Adjacent).unwrap();
-    let built = VertexHierarchy::builder()
+    let by_hand = bake_hierarchy(&mesh, &sequence, Dependencies::Adjacent);
+    let built = HierarchyBuilder::new()
         .dependencies(Dependencies::Adjacent)
         .metric(metric::VolumeArea::new())
         .placement(Placement::Optimal)
         .order(Order::Batched)
-        .build(&mesh)
+        .bake(&mesh)
         .unwrap();
     assert_eq!(built, by_hand);
-    assert_eq!(built.hierarchy().dependencies(), Dependencies::Adjacent);
+    assert_eq!(built.structure().dependencies(), Dependencies::Adjacent);
     let bad = Simplifier::new().join_distance(-1.0);
-    assert!(HierarchyBuilder::new().simplifier(bad).build(&mesh).unwrap_err().to_string().contains("join"));
+    assert!(HierarchyBuilder::new().simplifier(bad).bake(&mesh).unwrap_err().to_string().contains("join"));
 }
 
 /// Berkey and Song's system, on closed and open meshes: what is near and in the picture is at full resolution, the rest
@@ -223,14 +223,14 @@ fn one_call_is_all_calls() {
 #[test]
 fn berkey_and_song() {
     for mesh in [shapes::rock(4_000, 2), shapes::terrain(48, 3), shapes::moebius(80)] {
-        let bundle = HierarchyBuilder::berkey_song().build(&mesh).unwrap();
-        let hierarchy = bundle.hierarchy();
+        let bundle = HierarchyBuilder::berkey_song().bake(&mesh).unwrap();
+        let hierarchy = bundle.structure();
         assert_eq!(hierarchy.dependencies(), Dependencies::Neighbours);
         let before = Report::welded(&mesh);
         let diagonal = mesh.diagonal() as f32;
         let [low, high] = mesh.bounds().unwrap();
         let middle: [f32; 3] = std::array::from_fn(|i| (low[i] + high[i]) * 0.5);
-        let mut lod = HierarchyLod::new(hierarchy.clone());
+        let [mut lod, _] = instances(&bundle);
         let mut fewest = usize::MAX;
         for frame in 0..24 {
             let angle = frame as f32 * 0.3;
@@ -242,8 +242,8 @@ fn berkey_and_song() {
             let radius = 0.45 * diagonal;
             let matrix = look_at(eye, middle, [0.0, 1.0, 0.0]);
             let view = View::perspective(matrix, 0.8, [100, 100]).unwrap().with_radius_test(radius);
-            lod.adapt(&[view.of_world()]);
-            let at = bundle.mesh_at(&lod);
+            lod.adapt(&[view.of_world()], 1.0 / 60.0);
+            let at = lod.to_mesh();
             let after = Report::welded(&at);
             assert_eq!(after.euler_characteristic, before.euler_characteristic);
             assert_eq!(after.components, before.components);
@@ -268,10 +268,13 @@ fn berkey_and_song() {
         // Nothing but what is near counts, however large it is on the picture.
         let eye = [middle[0], middle[1], middle[2] + 1.2 * diagonal];
         let view = View::perspective(look_at(eye, middle, [0.0, 1.0, 0.0]), 0.8, [4000, 4000]).unwrap();
-        lod.adapt(&[view.clone().with_silhouette_px(0.1).with_radius_test(0.1 * diagonal).of_world()]);
-        assert_eq!(bundle.mesh_at(&lod).triangles().len(), hierarchy.base_triangle_count());
-        lod.adapt(&[view.with_radius_test(9.0 * diagonal).of_world()]);
-        assert_eq!(bundle.mesh_at(&lod).triangles().len(), mesh.triangles().len());
+        lod.adapt(
+            &[view.clone().with_silhouette_px(0.1).with_radius_test(0.1 * diagonal).of_world()],
+            1.0 / 60.0,
+        );
+        assert_eq!(lod.to_mesh().triangles().len(), hierarchy.base_triangle_count());
+        lod.adapt(&[view.with_radius_test(9.0 * diagonal).of_world()], 1.0 / 60.0);
+        assert_eq!(lod.to_mesh().triangles().len(), mesh.triangles().len());
     }
 }
 
@@ -279,11 +282,13 @@ fn berkey_and_song() {
 mod files {
     use super::*;
     use multires::io::{bake, unbake};
+    use multires::lod::{Origins, Structure};
 
     #[derive(serde::Serialize)]
     struct Parts<'a> {
-        mesh: &'a Mesh,
-        hierarchy: &'a VertexHierarchy,
+        vertices: &'a Mesh,
+        structure: &'a VertexHierarchy,
+        origins: &'a Origins,
     }
 
     fn any_mesh() -> (Mesh, CollapseSequence) {
@@ -296,26 +301,32 @@ mod files {
     fn it_comes_back_from_a_file_and_not_from_parts_that_do_not_fit() {
         let (mesh, sequence) = any_mesh();
         for policy in POLICIES {
-            let bundle = HierarchyMesh::new(&mesh, &sequence, policy).unwrap();
-            let bytes = bake(HierarchyMesh::KIND, &bundle).unwrap();
-            let back: HierarchyMesh = unbake(HierarchyMesh::KIND, &bytes).unwrap();
+            let bundle = bake_hierarchy(&mesh, &sequence, policy);
+            let bytes = bake(VertexHierarchy::KIND, &bundle).unwrap();
+            let back: Baked<VertexHierarchy> = unbake(VertexHierarchy::KIND, &bytes).unwrap();
             assert_eq!(back, bundle);
-            let parts = |mesh: &Mesh| {
-                bake(HierarchyMesh::KIND, &Parts { mesh, hierarchy: bundle.hierarchy() }).unwrap()
+            let parts = |vertices: &Mesh, origins: &Origins| {
+                let parts = Parts { vertices, structure: bundle.structure(), origins };
+                bake(VertexHierarchy::KIND, &parts).unwrap()
             };
-            assert!(parts(bundle.vertices()) == bytes);
-            let refused = |mesh: &Mesh| {
-                unbake::<HierarchyMesh>(HierarchyMesh::KIND, &parts(mesh)).unwrap_err().to_string()
+            assert!(parts(bundle.vertices(), bundle.origins()) == bytes);
+            let refused = |vertices: &Mesh, origins: &Origins| {
+                let bytes = parts(vertices, origins);
+                unbake::<Baked<VertexHierarchy>>(VertexHierarchy::KIND, &bytes).unwrap_err().to_string()
             };
-            let positions = bundle.vertices().positions();
-            assert!(refused(&Mesh::new(&positions[1..], []).unwrap()).contains("vertices"));
-            assert!(refused(&Mesh::new(positions, [[0, 1, 2]]).unwrap()).contains("triangles"));
+            let (positions, origins) = (bundle.vertices().positions(), bundle.origins());
+            assert!(refused(&Mesh::new(&positions[1..], []).unwrap(), origins).contains("vertices"));
+            assert!(refused(&Mesh::new(positions, [[0, 1, 2]]).unwrap(), origins).contains("triangles"));
+            let other = HierarchyBuilder::new().bake(&shapes::icosphere(1)).unwrap();
+            let (found, expected) = (other.origins().len(), positions.len());
+            let said = refused(bundle.vertices(), other.origins());
+            assert!(said.contains(&format!("{found} origins where {expected} are needed")), "{said}");
 
             let text = serde_json::to_string(&bundle).unwrap();
-            assert_eq!(serde_json::from_str::<HierarchyMesh>(&text).unwrap(), bundle);
+            assert_eq!(serde_json::from_str::<Baked<VertexHierarchy>>(&text).unwrap(), bundle);
             // Borrowed and owned parts are the same bytes.
-            let owned = multires::hierarchy::HierarchyParts::from((**bundle.hierarchy()).clone());
-            assert!(bake("parts", &owned).unwrap() == bake("parts", &**bundle.hierarchy()).unwrap());
+            let owned = multires::hierarchy::HierarchyParts::from((**bundle.structure()).clone());
+            assert!(bake("parts", &owned).unwrap() == bake("parts", &**bundle.structure()).unwrap());
             // Little more than the parts: everything else is derived.
             assert!(bytes.len() < bundle.memory() + 2048, "{} {}", bytes.len(), bundle.memory());
         }
@@ -336,7 +347,7 @@ mod files {
             damage in prop::collection::vec((any::<prop::sample::Index>(), any::<bool>(), any::<u32>()), 1..4),
             noise in prop::collection::vec(any::<u8>(), 0..300),
         ) {
-            let bundle = HierarchyMesh::new(&dressed(mesh), &sequence, POLICIES[policy]).unwrap();
+            let bundle = bake_hierarchy(&dressed(mesh), &sequence, POLICIES[policy]);
             let mut bytes = bincode::serde::encode_to_vec(&bundle, config()).unwrap();
             for (at, word, value) in damage {
                 if word {
@@ -348,14 +359,14 @@ mod files {
                 }
             }
             for bytes in [&bytes, &noise] {
-                let Ok((bundle, _)) = bincode::serde::decode_from_slice::<HierarchyMesh, _>(bytes, config()) else {
+                let Ok((bundle, _)) = bincode::serde::decode_from_slice::<Baked<VertexHierarchy>, _>(bytes, config()) else {
                     continue;
                 };
-                prop_assert_eq!(bundle.hierarchy().validate(), Ok(()));
+                prop_assert_eq!(bundle.structure().validate(), Ok(()));
                 for mut lod in instances(&bundle) {
                     for share in [100, 40, 70, 0] {
-                        lod.adapt_by(&Random::new(bundle.hierarchy(), 7, share), Motion::Other);
-                        let at = bundle.mesh_at(&lod);
+                        lod.adapt_by(&Random::new(bundle.structure(), 7, share), Motion::Other, 0.0);
+                        let at = lod.to_mesh();
                         prop_assert_eq!(at.triangles().len(), drawn(&lod).len());
                         prop_assert!(at.indices().iter().all(|&v| (v as usize) < at.positions().len()));
                     }

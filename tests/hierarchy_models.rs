@@ -15,6 +15,8 @@
 #![cfg(feature = "io")]
 
 mod flight;
+#[path = "support/models.rs"]
+mod models;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,9 +25,12 @@ use std::sync::Arc;
 use flight::path::{Pose, VIEWPORT, approach};
 use flight::{History, NEVER, Placed, drawn};
 use glam::DVec3;
-use multires::adapt::{LevelOfDetail, Refinements};
-use multires::hierarchy::{Dependencies, HierarchyBuild, HierarchyLod, HierarchyParts, VertexHierarchy};
+use multires::adapt::Refinements;
+use multires::hierarchy::{
+    Dependencies, HierarchyBuild, HierarchyLod, HierarchyOptions, HierarchyParts, VertexHierarchy,
+};
 use multires::io::{self, Format};
+use multires::lod::{Baked, Lod};
 use multires::mesh::{Mesh, shapes};
 use multires::simplify::{CollapseSequence, Simplifier};
 use multires::view::{Answer, Bounds, Criterion, Motion};
@@ -197,11 +202,14 @@ fn check(name: &str, mesh: &Mesh) -> [Flips; 4] {
     let path = approach(DVec3::Y);
     for (policy, dependencies) in POLICIES.into_iter().enumerate() {
         let built = VertexHierarchy::build(mesh, &sequence, dependencies).unwrap();
-        let placed = Placed::new(mesh, &built);
+        let options = HierarchyOptions::default().with_dependencies(dependencies);
+        let baked = Baked::<VertexHierarchy>::of_sequence(mesh, &sequence, &options).unwrap();
+        assert!(**baked.structure() == built.hierarchy && baked.origins().order() == built.vertex_order);
+        let placed = Placed::new(baked.vertices());
         let mut lod = HierarchyLod::new(Arc::new(built.hierarchy.clone()));
         for frame in FRAMES {
             let pose = path[frame].about(mesh);
-            lod.adapt(&[pose.view(VIEWPORT).unwrap().of_world()]);
+            lod.adapt(&[pose.view(VIEWPORT).unwrap().of_world()], 1.0 / 60.0);
             let flips = model.check(&built, &placed, &lod, &pose, &format!("{dependencies:?} frame {frame}"));
             sums[policy].add(flips);
             if policy == 0 {
@@ -241,7 +249,7 @@ fn files(root: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn models_keep_their_surface_from_everywhere() {
-    let Some(root) = flight::models("hierarchy_models") else { return };
+    let Some(root) = models::all("hierarchy_models") else { return };
     let mut sums = [Flips::default(); 4];
     for file in files(&root) {
         let name = file.file_name().unwrap().to_string_lossy();
@@ -303,7 +311,7 @@ fn replays_the_stars(mesh: &Mesh, seed: u64) {
         let at = if state >> 62 == 0 { (state >> 33) as usize % free.len() } else { free.len() - 1 };
         holds.needed[free[at] as usize] = true;
         let before = triangles(&lod);
-        assert_eq!(lod.adapt_by(&holds, Motion::Other).cut.splits, 1);
+        assert_eq!(lod.adapt_by(&holds, Motion::Other, 0.0).cut.splits, 1);
         let after: BTreeSet<u32> = triangles(&lod).iter().flat_map(|(_, corners)| *corners).collect();
         let old: BTreeSet<u32> = before.iter().flat_map(|(_, corners)| *corners).collect();
         for &vertex in after.difference(&old) {

@@ -5,12 +5,12 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, LodOptions};
-use multires::hierarchy::{HierarchyLod, MorphedLod, VertexHierarchy};
+use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+use multires::lod::{Lod, LodOptions};
 use multires::simplify::Simplifier;
 use multires::view::Motion;
 use proptest::prelude::*;
-use support::lod::{POLICIES, Random, assert_valid, drawn, shape, shown, view, wanted};
+use support::lod::{Limited, POLICIES, Random, assert_valid, drawn, shape, shown, view, wanted};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
@@ -28,12 +28,12 @@ proptest! {
         let hierarchy = Arc::new(built.hierarchy);
         let lod = if packed { HierarchyLod::packed(hierarchy.clone()) } else { HierarchyLod::new(hierarchy.clone()) };
         let options = LodOptions::default().with_operations(Some(most)).with_triangles(triangles);
-        let mut lod = lod.with_options(options);
+        let mut lod = lod.limited(options);
         let ceiling = triangles.map_or(usize::MAX, |most| most.max(hierarchy.base_triangle_count()));
         for (seed, share, frames) in steps {
             let asked = Random::new(&hierarchy, seed, share);
             for _ in 0..frames {
-                let change = lod.adapt_by(&asked, Motion::Other);
+                let change = lod.adapt_by(&asked, Motion::Other, 0.0);
                 prop_assert!(change.cut.splits + change.cut.collapses <= most);
                 assert_valid(&lod);
                 prop_assert_eq!(change.triangles, lod.surface().triangle_count());
@@ -46,13 +46,13 @@ proptest! {
         }
         let asked = Random::new(&hierarchy, 77, 80);
         for _ in 0..=hierarchy.split_count() {
-            lod.adapt_by(&asked, Motion::Other);
+            lod.adapt_by(&asked, Motion::Other, 0.0);
         }
         prop_assert_eq!(shown(&lod), wanted(&hierarchy, lod.cut()));
-        prop_assert_eq!(lod.adapt_by(&asked, Motion::Other).pending, 0);
+        prop_assert_eq!(lod.adapt_by(&asked, Motion::Other, 0.0).pending, 0);
         if triangles.is_none() {
             let mut at_once = HierarchyLod::new(hierarchy.clone());
-            at_once.adapt_by(&asked, Motion::Other);
+            at_once.adapt_by(&asked, Motion::Other, 0.0);
             prop_assert_eq!(drawn(&lod), drawn(&at_once));
         }
     }
@@ -68,13 +68,13 @@ proptest! {
         let hierarchy = Arc::new(built.hierarchy);
         let mut lod = HierarchyLod::packed(hierarchy.clone());
         for (operations, triangles, seed) in limits {
-            lod.set_options(LodOptions::default().with_operations(operations).with_triangles(triangles));
-            let change = lod.adapt_by(&Random::new(&hierarchy, seed, 90), Motion::Other);
+            lod.limit(LodOptions::default().with_operations(operations).with_triangles(triangles));
+            let change = lod.adapt_by(&Random::new(&hierarchy, seed, 90), Motion::Other, 0.0);
             assert_valid(&lod);
             let ceiling = triangles.map_or(usize::MAX, |most| most.max(hierarchy.base_triangle_count()));
             prop_assert!(change.triangles <= ceiling);
             prop_assert_eq!(change.over_budget, triangles.is_some_and(|most| change.triangles > most));
-            lod.set_options(LodOptions::default());
+            lod.limit(LodOptions::default());
             prop_assert_eq!(shown(&lod), wanted(&hierarchy, lod.cut()));
             assert_valid(&lod);
         }
@@ -85,7 +85,7 @@ proptest! {
 fn instances_are_independent_and_may_go_to_other_threads() {
     fn is_send<T: Send + Sync>() {}
     is_send::<HierarchyLod>();
-    is_send::<MorphedLod<[f32; 3]>>();
+    is_send::<HierarchyLod<[f32; 3]>>();
 
     let mesh = shape(0);
     let sequence = Simplifier::new().run(&mesh).unwrap();
@@ -95,9 +95,9 @@ fn instances_are_independent_and_may_go_to_other_threads() {
     let fly = |lod: &mut HierarchyLod, i: usize, frame: usize| {
         let along = frame as f32 / 20.0;
         let eye = if i == 1 { [0.0, 0.3, 2.0 - along] } else { [along - 0.5, 0.0, 1.0] };
-        lod.adapt(&[view(&mesh, eye, 0.0, 0.5).of_world()]);
+        lod.adapt(&[view(&mesh, eye, 0.0, 0.5).of_world()], 1.0 / 60.0);
     };
-    let new = |i: usize| HierarchyLod::new(hierarchy.clone()).with_options(options(i));
+    let new = |i: usize| HierarchyLod::new(hierarchy.clone()).limited(options(i));
     let mut alone = [new(1), new(2)];
     for (i, lod) in alone.iter_mut().enumerate() {
         (0..30).for_each(|frame| fly(lod, i + 1, frame));

@@ -5,8 +5,9 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, Refinements};
+use multires::adapt::Refinements;
 use multires::hierarchy::{Dependencies, HierarchyLod, HierarchyParts, VertexHierarchy};
+use multires::lod::Lod;
 use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, NewVertex};
 use multires::view::{Bounds, Motion, View, look_at};
@@ -133,7 +134,7 @@ fn use_it(hierarchy: VertexHierarchy, seed: u64) {
         let mut lod = if packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
         for step in 0..6u64 {
             let share = [100, 50, 80, 0, 90, 30][step as usize];
-            lod.adapt_by(&Random::new(&hierarchy, seed ^ step, share), Motion::Other);
+            lod.adapt_by(&Random::new(&hierarchy, seed ^ step, share), Motion::Other, 0.0);
             assert!(is_closed(&hierarchy, lod.cut()));
             assert_eq!(drawn(&lod), image_at(&hierarchy, lod.cut()));
         }
@@ -141,7 +142,7 @@ fn use_it(hierarchy: VertexHierarchy, seed: u64) {
             let eye = [reach * (step as f32 - 2.0), reach * 0.3, reach / (step + 1) as f32];
             let matrix = look_at(eye, [0.0; 3], [0.0, 1.0, 0.0]);
             let Ok(view) = View::perspective(matrix, 1.0, [300, 200]) else { continue };
-            lod.adapt(&[view.with_tolerance_px(2.0).with_silhouette_px(1.0).of_world()]);
+            lod.adapt(&[view.with_tolerance_px(2.0).with_silhouette_px(1.0).of_world()], 1.0 / 60.0);
             assert!(is_closed(&hierarchy, lod.cut()));
             assert_eq!(drawn(&lod), image_at(&hierarchy, lod.cut()));
             let _ = (lod.dirty_triangles(0, 0).count(), lod.dirty_vertices(3).count());
@@ -283,7 +284,7 @@ fn long_chains_are_checked_quickly() {
     let hierarchy = VertexHierarchy::try_from(parts.clone()).unwrap();
     assert_eq!(hierarchy.validate(), Ok(()));
     let mut lod = HierarchyLod::new(Arc::new(hierarchy));
-    lod.adapt_by(&Random::new(&lod.hierarchy().clone(), 1, 0), Motion::Other);
+    lod.adapt_by(&Random::new(&lod.hierarchy().clone(), 1, 0), Motion::Other, 0.0);
     assert_eq!(lod.triangles(0).len(), 0);
     parts.first_triangle[2] = 5;
     assert!(refusal(parts).contains("brings back triangle 5"));

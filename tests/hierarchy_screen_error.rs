@@ -9,14 +9,16 @@
 #![cfg(feature = "quality")]
 
 mod flight;
+#[path = "support/models.rs"]
+mod models;
 
 use std::sync::Arc;
 
 use flight::path::{Pose, VIEWPORT, approach};
 use flight::{Placed, drawn};
 use glam::DVec3;
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::hierarchy::{Dependencies, HierarchyLod, HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod};
 use multires::mesh::{Mesh, shapes};
 use multires::quality::vertex_distances;
 use multires::simplify::Simplifier;
@@ -102,13 +104,14 @@ struct Path {
 impl Path {
     fn new(mesh: &Mesh, up: DVec3, every: usize) -> Self {
         let sequence = Simplifier::new().run(mesh).unwrap();
-        let built = VertexHierarchy::build(mesh, &sequence, Dependencies::None).unwrap();
-        let placed = Placed::new(mesh, &built);
+        let options = HierarchyOptions::default().with_dependencies(Dependencies::None);
+        let model = Baked::<VertexHierarchy>::of_sequence(mesh, &sequence, &options).unwrap();
+        let placed = Placed::new(model.vertices());
         Self {
-            samples: samples(&built.hierarchy, &placed),
-            positions: built.positions(mesh.positions()).unwrap(),
+            samples: samples(model.structure(), &placed),
+            positions: model.vertices().positions().to_vec(),
             poses: approach(up).iter().step_by(every).map(|pose| pose.about(mesh)).collect(),
-            hierarchy: Arc::new(built.hierarchy),
+            hierarchy: Arc::clone(model.structure()),
             placed,
         }
     }
@@ -117,7 +120,7 @@ impl Path {
         let (mut misses, mut lod) = (Misses::default(), HierarchyLod::new(self.hierarchy.clone()));
         for pose in &self.poses {
             let view = pose.view(VIEWPORT).unwrap();
-            lod.adapt(&[view.of_world()]);
+            lod.adapt(&[view.of_world()], 1.0 / 60.0);
             let pixels = pixels_at_one(&view);
             misses.count(self, pose, &lod, 1.0, |p| pixels / pose.to_eye(p).z);
         }
@@ -132,7 +135,7 @@ impl Path {
                 .unwrap()
                 .with_error(ErrorKind::Parametric)
                 .with_tolerance_px(PARAMETRIC_PX);
-            lod.adapt(&[view.of_world()]);
+            lod.adapt(&[view.of_world()], 1.0 / 60.0);
             let pixels = pixels_at_one(&view);
             self.every_vertex_is_near_its_place(pose, &lod, pixels);
             misses.count(self, pose, &lod, PARAMETRIC_PX, |p| pixels / p.distance(pose.eye));
@@ -183,7 +186,7 @@ fn shapes_are_drawn_within_a_pixel() {
 #[test]
 fn scans_are_drawn_within_a_pixel() {
     for name in ["real/stanford-bunny.ply", "real/armadillo.ply"] {
-        if let Some(mesh) = flight::model("hierarchy_screen_error", name) {
+        if let Some(mesh) = models::read("hierarchy_screen_error", name) {
             check(name, &mesh, DVec3::Y, 40, 1.0);
         }
     }

@@ -4,8 +4,10 @@ mod support;
 
 use std::sync::Arc;
 
-use multires::adapt::{Change, Dirty, DirtyRanges, LevelOfDetail, ShortIndices};
+use multires::adapt::{Change, Dirty, DirtyRanges};
 use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+use multires::lod::{Draws, Lod, LodError, LodOptions, ShortIndices, Uploads};
+use multires::mesh::Mesh;
 use multires::simplify::Simplifier;
 use multires::view::ObjectView;
 use support::lod::{POLICIES, shape, view};
@@ -25,13 +27,41 @@ impl Written {
     }
 }
 
-impl LevelOfDetail for Written {
-    fn adapt(&mut self, _: &[ObjectView]) -> Change {
+impl Lod for Written {
+    fn adapt(&mut self, _: &[ObjectView], _: f32) -> Change {
         Change::default()
+    }
+
+    fn refine_fully(&mut self) -> Change {
+        Change::default()
+    }
+
+    fn settle(&mut self) {}
+
+    fn options(&self) -> &LodOptions {
+        unreachable!()
+    }
+
+    fn set_options(&mut self, _: &LodOptions) -> Result<(), LodError> {
+        unreachable!()
+    }
+
+    fn tolerance_factor(&self) -> f32 {
+        1.0
+    }
+
+    fn set_tolerance_factor(&mut self, _: f32) {}
+
+    fn refinements(&self) -> usize {
+        0
     }
 
     fn groups(&self) -> usize {
         1
+    }
+
+    fn material(&self, _: usize) -> u32 {
+        u32::MAX
     }
 
     fn triangles(&self, _: usize) -> &[[u32; 3]] {
@@ -42,6 +72,18 @@ impl LevelOfDetail for Written {
         None
     }
 
+    fn vertex_bytes(&self) -> &[u8] {
+        &[]
+    }
+
+    fn vertex_size(&self) -> usize {
+        0
+    }
+
+    fn shares_vertices(&self) -> bool {
+        true
+    }
+
     fn dirty_triangles(&self, _: usize, gap: usize) -> DirtyRanges<'_> {
         self.dirty.ranges(self.triangles.len(), gap)
     }
@@ -50,12 +92,32 @@ impl LevelOfDetail for Written {
         self.dirty.ranges(0, gap)
     }
 
+    fn uploads(&self) -> Uploads<'_> {
+        Uploads::new(self)
+    }
+
+    fn draws(&self) -> Draws<'_> {
+        Draws::new(self)
+    }
+
     fn clean(&mut self) {
         self.dirty.clear();
     }
+
+    fn invalidate(&mut self) {
+        self.dirty.mark_all(self.triangles.len());
+    }
+
+    fn to_mesh(&self) -> Mesh {
+        Mesh::default()
+    }
+
+    fn memory(&self) -> usize {
+        0
+    }
 }
 
-fn update(short: &mut ShortIndices, lod: &mut impl LevelOfDetail, group: usize) -> Option<Vec<[u32; 3]>> {
+fn update(short: &mut ShortIndices, lod: &mut impl Lod, group: usize) -> Option<Vec<[u32; 3]>> {
     short.update(lod, group).map(|t| t.iter().map(|t| t.map(u32::from)).collect())
 }
 
@@ -93,7 +155,7 @@ fn they_follow_the_level_of_detail() {
     let mut short = [(); 3].map(|()| ShortIndices::default());
     for frame in 0..40 {
         let z = 3.0 - (frame as f32 * 0.3).sin() * 2.5;
-        lod.adapt(&[view(&mesh, [0.0, 0.0, z], 0.0, 0.5).of_world()]);
+        lod.adapt(&[view(&mesh, [0.0, 0.0, z], 0.0, 0.5).of_world()], 1.0 / 60.0);
         for (group, short) in short.iter_mut().enumerate() {
             assert_eq!(update(short, &mut lod, group).as_deref(), Some(lod.triangles(group)));
         }

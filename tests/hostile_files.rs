@@ -1,6 +1,9 @@
 //! Promise: no file makes a reader panic or hang, and each broken one has the outcome that is written here.
 #![cfg(feature = "io")]
 
+#[path = "support/models.rs"]
+mod models;
+
 use std::path::{Path, PathBuf};
 
 use multires::io::{self, Format, Imported, ReadError, ReadOptions, SceneOrigin};
@@ -9,19 +12,9 @@ use proptest::prelude::*;
 
 const FORMATS: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Glb, Format::Gltf];
 
-fn models() -> Option<PathBuf> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    root.is_dir().then_some(root)
-}
-
 /// The folder of broken files, or a word on stderr that the test is skipped.
 fn hostile(test: &str) -> Option<PathBuf> {
-    let found = models().map(|root| root.join("hostile"));
-    if found.is_none() {
-        eprintln!("skipped: {test} (no models)");
-    }
-    found
+    models::find(test, "hostile")
 }
 
 fn load(path: &Path) -> Result<Imported, ReadError> {

@@ -1,7 +1,8 @@
 //! Promise: no reader reserves more than a multiple of the file's size, whatever counts the file declares.
 #![cfg(feature = "io")]
 
-use std::path::PathBuf;
+#[path = "support/models.rs"]
+mod models;
 
 use multires::io::{self, Format};
 use peak_alloc::PeakAlloc;
@@ -130,12 +131,7 @@ fn readers_reserve_a_multiple_of_the_file() {
     assert!(result.is_ok());
     assert!(held <= 192 * nodes.len(), "{held} bytes for {} of nodes", nodes.len());
 
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    if !root.is_dir() {
-        eprintln!("skipped: the model part of readers_reserve_a_multiple_of_the_file (no models)");
-        return;
-    }
+    let Some(root) = models::all("readers_reserve_a_multiple_of_the_file") else { return };
     for file in [
         "hostile/huge_count.ply",
         "hostile/truncated.ply",

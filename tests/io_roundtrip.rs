@@ -1,6 +1,9 @@
 //! Promise: what a format keeps comes back bit for bit; real models have the counts that are known of them.
 #![cfg(feature = "io")]
 
+#[path = "support/models.rs"]
+mod models;
+
 use std::path::PathBuf;
 
 use multires::io::{self, Format};
@@ -191,12 +194,6 @@ proptest! {
     }
 }
 
-fn models() -> Option<PathBuf> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    root.is_dir().then_some(root)
-}
-
 /// Vertices, triangles.
 const REAL: &[(&str, usize, usize)] = &[
     ("real/armadillo.ply", 43_243, 86_482),
@@ -228,10 +225,7 @@ const REAL: &[(&str, usize, usize)] = &[
 
 #[test]
 fn real_models_have_their_counts_and_come_back() {
-    let Some(root) = models() else {
-        eprintln!("skipped: real_models_have_their_counts_and_come_back (no models)");
-        return;
-    };
+    let Some(root) = models::all("real_models_have_their_counts_and_come_back") else { return };
     for &(file, vertices, triangles) in REAL {
         let mesh = io::read(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
         assert_eq!((mesh.positions().len(), mesh.triangles().len()), (vertices, triangles), "{file}");
@@ -246,10 +240,7 @@ fn real_models_have_their_counts_and_come_back() {
 
 #[test]
 fn seams_of_real_models_split_vertices_next_to_each_other() {
-    let Some(root) = models() else {
-        eprintln!("skipped: seams_of_real_models_split_vertices_next_to_each_other (no models)");
-        return;
-    };
+    let Some(root) = models::all("seams_of_real_models_split_vertices_next_to_each_other") else { return };
     for (file, positions, vertices) in
         [("real/spot.obj", 2_930, 3_225), ("subdivision/boat.obj", 16_210, 16_665)]
     {

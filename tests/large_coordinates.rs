@@ -8,12 +8,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 use command::{Folder, json};
-use multires::hierarchy::{Dependencies, HierarchyMesh};
+use multires::hierarchy::{HierarchyOptions, VertexHierarchy};
 use multires::io::{self, Format, Imported, ReadOptions, SceneOrigin};
+use multires::lod::{Baked, Structure};
 use multires::mesh::{Mesh, shapes};
 use multires::quality::{self, DistanceOptions};
 use multires::simplify::{Simplifier, Target};
-use multires::tom::TomMesh;
+use multires::tom::{TomOptions, TotallyOrderedMesh};
 
 const ALL: [Format; 6] = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Glb, Format::Gltf];
 /// East, north and up, metres: single precision has steps of 0.5 there.
@@ -119,11 +120,12 @@ fn levels_are_written_where_they_lie_in_every_format() {
 fn structures_keep_the_origin() {
     let mesh = parse(Format::Obj, patch().as_bytes(), SceneOrigin::Automatic).mesh;
     let sequence = Simplifier::new().run(&mesh).unwrap();
-    let tom = TomMesh::new(&mesh, &sequence).unwrap();
-    let hierarchy = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
-    let baked = io::bake(TomMesh::KIND, &tom).unwrap();
-    let tom: TomMesh = io::unbake(TomMesh::KIND, &baked).unwrap();
-    for level in [&tom.mesh_at(tom.tom().coarsest()), hierarchy.vertices()] {
+    let tom = Baked::<TotallyOrderedMesh>::of_sequence(&mesh, &sequence, &TomOptions::default()).unwrap();
+    let hierarchy =
+        Baked::<VertexHierarchy>::of_sequence(&mesh, &sequence, &HierarchyOptions::default()).unwrap();
+    let baked = io::bake(TotallyOrderedMesh::KIND, &tom).unwrap();
+    let tom: Baked<TotallyOrderedMesh> = io::unbake(TotallyOrderedMesh::KIND, &baked).unwrap();
+    for level in [&tom.mesh_at(tom.structure().coarsest()), hierarchy.vertices()] {
         assert_eq!(level.origin(), mesh.origin());
         assert!(lost(level) < 1e-6 * DIAGONAL);
     }

@@ -4,24 +4,18 @@
 //! The models lie in `$MULTIRES_MODELS`, `../shared/models` by default; what is missing is skipped by name.
 #![cfg(all(feature = "quality", feature = "io"))]
 
-use std::path::{Path, PathBuf};
+#[path = "support/models.rs"]
+mod models;
 
 use multires::{
-    Simplifier, io,
+    Simplifier,
     mesh::{Mesh, shapes},
     quality::{DistanceOptions, Surface},
     simplify::{ErrorMeasure, Placement, Target, metric::VolumeArea},
 };
 
 fn model(file: &str) -> Option<Mesh> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    let path = root.join(file);
-    if !path.exists() {
-        eprintln!("levels_measured: skipping {file}: no {} (set MULTIRES_MODELS)", path.display());
-        return None;
-    }
-    Some(io::read(&path).unwrap())
+    models::read("levels_measured", file)
 }
 
 fn options() -> DistanceOptions {

@@ -1,10 +1,14 @@
 //! Promise: positions that nearly coincide can be made one, without chains, and are where only rounding parts them; what
 //! was meant to be closed is closed at every level, and small real edges stay.
 
-use multires::hierarchy::{Dependencies, HierarchyMesh};
+#[path = "support/models.rs"]
+mod models;
+
+use multires::hierarchy::{HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod, LodOptions, Values};
 use multires::mesh::{Attribute, Mesh, Report, Tolerances, Topology, names, shapes};
 use multires::simplify::{ProgressiveMesh, Simplifier, Target};
-use multires::tom::TomMesh;
+use multires::tom::{TomOptions, TotallyOrderedMesh};
 
 /// How a grid of cells closes: in columns, in rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,17 +91,21 @@ fn what_rounding_has_parted_is_closed_at_every_level() {
             let sequence = Simplifier::new().target(Target::Triangles(200)).run(&mesh).unwrap();
             assert!(!uv || !sequence.snaps().is_empty());
             assert!(sequence.report().triangles <= 200, "{shape:?} {}", sequence.report().triangles);
-            let tom = TomMesh::new(&mesh, &sequence).unwrap();
-            let hierarchy = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
-            let lod = multires::hierarchy::HierarchyLod::new(hierarchy.hierarchy().clone());
+            let tom =
+                Baked::<TotallyOrderedMesh>::of_sequence(&mesh, &sequence, &TomOptions::default()).unwrap();
+            let hierarchy =
+                Baked::<VertexHierarchy>::of_sequence(&mesh, &sequence, &HierarchyOptions::default())
+                    .unwrap();
+            let none = Values::none(hierarchy.structure().vertex_count());
+            let lod = hierarchy.instance(none, &LodOptions::default()).unwrap();
             let mut progressive = ProgressiveMesh::new(&mesh, &sequence).unwrap();
             let plain = Mesh::new(progressive.positions(), progressive.triangles()).unwrap();
             for (level, what) in [
                 (sequence.extract(&mesh, 1), "after one step"),
                 (sequence.extract(&mesh, sequence.len()), "sequence"),
-                (tom.mesh_at(tom.tom().finest()), "ordered, finest"),
-                (tom.mesh_at(tom.tom().coarsest()), "ordered, coarsest"),
-                (hierarchy.mesh_at(&lod), "hierarchy"),
+                (tom.mesh_at(tom.structure().finest()), "ordered, finest"),
+                (tom.mesh_at(tom.structure().coarsest()), "ordered, coarsest"),
+                (lod.to_mesh(), "hierarchy"),
                 (plain, "progressive"),
             ] {
                 match shape {
@@ -211,13 +219,7 @@ fn welding_keeps_wedges() {
 #[cfg(feature = "io")]
 #[test]
 fn a_model_with_jitter_becomes_a_closed_sphere() {
-    let root = std::env::var_os("MULTIRES_MODELS").unwrap_or_else(|| "../shared/models".into());
-    let path = std::path::Path::new(&root).join("hostile/near_duplicates.obj");
-    if !path.exists() {
-        eprintln!("near_positions: skipping {}: set MULTIRES_MODELS", path.display());
-        return;
-    }
-    let mesh = multires::io::read(&path).unwrap();
+    let Some(mesh) = models::read("near_positions", "hostile/near_duplicates.obj") else { return };
     assert_eq!(Report::welded(&mesh).border_edges, 2_880);
     let welded = Report::welded(&mesh.welded(1e-6));
     assert!(welded.is_closed() && welded.is_manifold());

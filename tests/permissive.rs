@@ -3,7 +3,8 @@
 mod meshes;
 
 use meshes::*;
-use multires::hierarchy::{Dependencies, HierarchyMesh};
+use multires::hierarchy::{Dependencies, HierarchyOptions, VertexHierarchy};
+use multires::lod::Baked;
 use multires::mesh::{Mesh, names, shapes};
 use multires::simplify::metric::WithAttributes;
 use multires::simplify::{
@@ -164,8 +165,13 @@ fn assert_structures(mesh: &Mesh, sequence: &CollapseSequence) {
     }
     let progressive = ProgressiveMesh::new(mesh, sequence).unwrap();
     assert_eq!(progressive.len(), sequence.len());
-    let hierarchy = HierarchyMesh::new(mesh, sequence, Dependencies::Adjacent).unwrap();
-    hierarchy.hierarchy().validate().unwrap();
+    let hierarchy = Baked::<VertexHierarchy>::of_sequence(
+        mesh,
+        sequence,
+        &HierarchyOptions::default().with_dependencies(Dependencies::Adjacent),
+    )
+    .unwrap();
+    hierarchy.structure().validate().unwrap();
 }
 
 fn some_mesh(which: usize) -> Mesh {

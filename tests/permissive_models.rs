@@ -4,8 +4,8 @@
 #![cfg(feature = "io")]
 
 mod meshes;
-
-use std::path::{Path, PathBuf};
+#[path = "support/models.rs"]
+mod models;
 
 use meshes::{dot, mirrored, rows};
 use multires::mesh::{Mesh, names};
@@ -15,14 +15,7 @@ const MODELS: [&str; 2] =
     ["game/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf", "game/FlightHelmet/FlightHelmet.gltf"];
 
 fn model(file: &str) -> Option<Mesh> {
-    let root = std::env::var_os("MULTIRES_MODELS")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
-    let path = root.join(file);
-    if !path.exists() {
-        eprintln!("permissive_models: skipping {file}: no {} (set MULTIRES_MODELS)", path.display());
-        return None;
-    }
-    Some(multires::io::read(&path).unwrap())
+    models::read("permissive_models", file)
 }
 
 /// Normals are unit vectors where those of the input are, and skin weights sum to 1 where the input's do.

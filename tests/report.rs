@@ -2,6 +2,9 @@
 //!
 //! The models lie in `$MULTIRES_MODELS`, `../shared/models` by default; what is missing there is skipped by name.
 
+#[path = "support/models.rs"]
+mod real;
+
 use multires::mesh::{Attribute, Mesh, Report, names, shapes};
 
 fn expect(report: &Report, expected: [i64; 7]) {
@@ -185,8 +188,7 @@ mod table {
     }
 
     fn models() -> Option<(PathBuf, String)> {
-        let models = std::env::var_os("MULTIRES_MODELS")
-            .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
+        let models = crate::real::all("report")?;
         let readme = models.join("README.md");
         match std::fs::read_to_string(&readme) {
             Ok(text) => Some((models, text)),

@@ -7,15 +7,17 @@ mod support;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use multires::lod::{Baked, Level, Lod, LodOptions, Values};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report, shapes};
 use multires::simplify::{
     CollapseSequence, ErrorMeasure, NewVertex, Order, Placement, ProgressiveMesh, SequenceError, Simplifier,
 };
-use multires::tom::{Level, TomCursor, TomMesh, TomParts, TomSteps, TotallyOrderedMesh};
+use multires::tom::{TomCursor, TomOptions, TomParts, TomSteps, TotallyOrderedMesh};
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use support::lod::bake_tom;
 
 fn config() -> impl bincode::config::Config {
     bincode::config::standard().with_fixed_int_encoding().with_limit::<{ 1 << 24 }>()
@@ -69,10 +71,10 @@ fn simplified_models_come_back() {
             }
         }
         let sequence = Simplifier::new().run(&mesh).unwrap();
-        let tom = TomMesh::new(&mesh, &sequence).unwrap();
+        let tom = bake_tom(&mesh, &sequence);
         assert_comes_back(&tom);
-        assert_comes_back(tom.tom());
-        assert_comes_back(&TomParts::from(tom.tom().clone()));
+        assert_comes_back(&**tom.structure());
+        assert_comes_back(&TomParts::from((**tom.structure()).clone()));
     }
     for option in [Placement::Subset, Placement::Midpoint] {
         assert_comes_back(&option);
@@ -97,7 +99,7 @@ proptest! {
         let mut progressive = ProgressiveMesh::new(&mesh, &sequence).unwrap();
         progressive.seek(level);
         assert_comes_back(&progressive);
-        if let Ok(tom) = TomMesh::new(&dressed(&mesh), &sequence) {
+        if let Ok(tom) = Baked::<TotallyOrderedMesh>::of_sequence(&dressed(&mesh), &sequence, &TomOptions::default()) {
             assert_comes_back(&tom);
         }
     }
@@ -275,7 +277,7 @@ fn every_promise_of_a_progressive_mesh_is_checked() {
 fn parts_of_a_totally_ordered_mesh_are_checked() {
     let mesh = shapes::torus(1.0, 0.4, 12, 8);
     let sequence = Simplifier::new().run(&mesh).unwrap();
-    let tom = TomMesh::new(&mesh, &sequence).unwrap();
+    let tom = bake_tom(&mesh, &sequence);
     for (place, entry, why) in [
         ("/substitute/95", json!(95), "vertex 95 is substituted by 95"),
         ("/substitute/0", json!(1), "base vertex 0"),
@@ -283,9 +285,9 @@ fn parts_of_a_totally_ordered_mesh_are_checked() {
         ("/triangles/5/0", json!(96), "triangle 5 names vertex 96"),
         ("/error_marks/1/error", json!(1e39), "error mark 1"),
     ] {
-        let said = refusal(tom.tom(), &[(place, entry.clone())]);
+        let said = refusal(&**tom.structure(), &[(place, entry.clone())]);
         assert!(said.contains(why), "{place}: {said}");
-        let said = refusal(&tom, &[(&format!("/tom{place}"), entry)]);
+        let said = refusal(&tom, &[(&format!("/structure{place}"), entry)]);
         assert!(said.contains(why), "{place}: {said}");
     }
 }
@@ -345,7 +347,7 @@ fn use_sequence(sequence: &CollapseSequence, mesh: &Mesh) {
             assert_eq!(progressive.validate(), Ok(()));
             use_progressive(progressive);
         }
-        if let Ok(tom) = TomMesh::new(mesh, sequence) {
+        if let Ok(tom) = Baked::<TotallyOrderedMesh>::of_sequence(mesh, sequence, &TomOptions::default()) {
             use_tom(&tom);
         }
     }
@@ -379,8 +381,8 @@ fn use_progressive(mut progressive: ProgressiveMesh) {
     let _ = (progressive.memory(), progressive.vertex_order(), progressive.batches());
 }
 
-fn use_tom(bundle: &TomMesh) {
-    let tom: &TotallyOrderedMesh = bundle.tom();
+fn use_tom(bundle: &Baked<TotallyOrderedMesh>) {
+    let tom: &TotallyOrderedMesh = bundle.structure();
     let _ = (bundle.memory(), bundle.plain_memory(), tom.substitute(u32::MAX), tom.material_ids());
     let levels = [
         Level::Triangles(0),
@@ -401,7 +403,7 @@ fn use_tom(bundle: &TomMesh) {
         tom.fill_by_material(resolution, &mut indices, &mut ranges);
         tom.fill_indices(resolution, &mut indices);
         assert!(indices.iter().all(|&v| (v as usize) < resolution.vertices()));
-        assert_eq!(bundle.level(level).triangles().len(), resolution.triangles());
+        assert_eq!(bundle.level(level).mesh.triangles().len(), resolution.triangles());
         let _ = (tom.traversal_overhead(resolution), tom.coarser(resolution), tom.finer(resolution));
         for cursor in &mut cursors {
             cursor.seek(resolution);
@@ -410,6 +412,15 @@ fn use_tom(bundle: &TomMesh) {
             let _ = cursor.indices();
             let _ = cursor.take_dirty();
         }
+    }
+    let mut lod = bundle.instance(Values::none(tom.vertex_count()), &LodOptions::default()).unwrap();
+    assert_eq!(lod.refine_fully().triangles, tom.triangle_count());
+    assert_eq!(lod.adapt(&[], 0.1).triangles, tom.coarsest().triangles());
+    assert_eq!(lod.to_mesh().triangles().len(), tom.coarsest().triangles());
+    // Four bytes for every vertex they claim to come from.
+    let count = bundle.origins().input_vertices();
+    if count < 1 << 20 {
+        let _ = (bundle.arrange(&vec![0_u32; count]), bundle.origins().arrange_any(&vec![0_u32; count]));
     }
 }
 
@@ -459,8 +470,8 @@ proptest! {
         (mesh, sequence) in support::endpoint(),
         damage in damage(),
     ) {
-        let tom = TomMesh::new(&dressed(&mesh), &sequence).unwrap();
-        if let Ok(tom) = unbytes::<TomMesh>(&damaged(bytes(&tom), &damage)) {
+        let tom = bake_tom(&dressed(&mesh), &sequence);
+        if let Ok(tom) = unbytes::<Baked<TotallyOrderedMesh>>(&damaged(bytes(&tom), &damage)) {
             use_tom(&tom);
         }
     }

@@ -1,10 +1,11 @@
 //! Promise: vertices at one point whose values agree within tolerances are one wedge, however they are numbered and
 //! chained, so that noise makes no seams; and every structure folds the same ones.
 
-use multires::hierarchy::{Dependencies, HierarchyMesh};
+use multires::hierarchy::{HierarchyOptions, VertexHierarchy};
+use multires::lod::Baked;
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Tolerances, Topology, names, shapes};
 use multires::simplify::{OptionError, Permissive, ProgressiveMesh, Simplifier, Target};
-use multires::tom::TomMesh;
+use multires::tom::{TomOptions, TotallyOrderedMesh};
 
 /// Every triangle with three vertices of its own, each number of each float stream off by up to `ulps` steps.
 fn noisy_soup(mesh: &Mesh, ulps: i32) -> Mesh {
@@ -72,12 +73,13 @@ fn structures_fold_what_the_sequence_folds() {
     sequence.aliases().iter().for_each(|&[duplicate, to]| kept[duplicate as usize] = to);
     assert_eq!(kept, Topology::with(&noisy, &Tolerances::default()).wedge_of());
 
-    let tom = TomMesh::new(&noisy, &sequence).unwrap();
-    let finest = tom.mesh_at(tom.tom().finest());
-    let hierarchy = HierarchyMesh::new(&noisy, &sequence, Dependencies::None).unwrap();
+    let tom = Baked::<TotallyOrderedMesh>::of_sequence(&noisy, &sequence, &TomOptions::default()).unwrap();
+    let finest = tom.mesh_at(tom.structure().finest());
+    let hierarchy =
+        Baked::<VertexHierarchy>::of_sequence(&noisy, &sequence, &HierarchyOptions::default()).unwrap();
     let points = Report::welded(&noisy).vertices;
     for (mesh, triangles) in
-        [(&finest, finest.triangles().len()), (hierarchy.vertices(), hierarchy.hierarchy().triangle_count())]
+        [(&finest, finest.triangles().len()), (hierarchy.vertices(), hierarchy.structure().triangle_count())]
     {
         assert_eq!(mesh.positions().len(), points, "one vertex a point");
         assert_eq!(triangles, noisy.triangles().len());

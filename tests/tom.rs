@@ -4,13 +4,16 @@ mod support;
 
 use std::sync::Arc;
 
+use multires::MeshError;
+use multires::lod::Baked;
 use multires::mesh::{Attribute, Mesh, names};
 use multires::simplify::{CollapseSequence, NewVertex};
 use multires::tom::{
-    ErrorMark, Level, MaterialRange, Resolution, TomBuild, TomCursor, TomError, TomParts, TomSteps,
-    TotallyOrderedMesh,
+    ErrorMark, Level, MaterialRange, Resolution, TomBuild, TomCursor, TomError, TomOptions, TomParts,
+    TomSteps, TotallyOrderedMesh,
 };
 use proptest::prelude::*;
+use support::lod::bake_tom;
 use support::naive::degenerate;
 use support::{endpoint, naive};
 
@@ -313,7 +316,7 @@ fn a_seam_never_tears() {
     let built = build(&mesh, &sequence);
     let tom = &built.tom;
     assert!((0..sequence.len()).any(|s| sequence.substitutions(s).len() == 2), "there are seams");
-    let positions = built.arrange(mesh.positions()).unwrap();
+    let positions = bake_tom(&mesh, &sequence).arrange(mesh.positions()).unwrap();
     for r in resolutions(tom) {
         // Welded by position, every edge has two sides: the torus stays closed.
         let bits = |v: u32| positions[v as usize].map(f32::to_bits);
@@ -360,12 +363,17 @@ fn arranging_carries_everything_along() {
     let locks: Vec<bool> = (0..mesh.positions().len()).map(|v| v % 3 == 0).collect();
     let ids: Vec<[f32; 1]> = (0..locks.len()).map(|v| [v as f32]).collect();
     let mesh = mesh.with_locks(locks).unwrap().with_attribute(Attribute::floats("id", &ids)).unwrap();
-    let built = build(&mesh, &naive::sequence(&mesh, 30));
-    let arranged = built.arrange_mesh(&mesh).unwrap();
-    assert_eq!(arranged.triangles(), built.tom.triangles());
+    let sequence = naive::sequence(&mesh, 30);
+    let (built, model) = (build(&mesh, &sequence), bake_tom(&mesh, &sequence));
+    assert_eq!(**model.structure(), built.tom);
+    let (arranged, finest) = (model.vertices(), model.mesh_at(built.tom.finest()));
+    assert_eq!(finest.triangles(), built.tom.triangles());
+    // All of them are in use.
+    assert_eq!(finest.positions(), arranged.positions());
+    assert_eq!(arranged.positions().len(), built.tom.vertex_count());
     let id = arranged.attribute("id").unwrap().as_floats().unwrap();
     let uv = arranged.attribute(names::UV).unwrap().as_floats().unwrap();
-    for (place, &v) in built.vertex_order.iter().enumerate() {
+    for (place, &v) in built.vertex_order[..built.tom.vertex_count()].iter().enumerate() {
         assert_eq!(arranged.positions()[place], mesh.positions()[v as usize]);
         assert_eq!(arranged.locks()[place], mesh.locks()[v as usize]);
         assert_eq!(id[place], v as f32);
@@ -373,10 +381,12 @@ fn arranging_carries_everything_along() {
         assert_eq!(uv[2 * place..2 * place + 2], source[2 * v as usize..2 * v as usize + 2]);
     }
     for (place, &t) in built.triangle_order.iter().enumerate() {
-        assert_eq!(arranged.materials()[place], mesh.materials()[t as usize]);
+        assert_eq!(finest.materials()[place], mesh.materials()[t as usize]);
     }
-    assert!(matches!(built.arrange(&[1, 2, 3]), Err(TomError::Mesh(_))));
-    assert!(built.arrange_mesh(&naive::torus(4, 4, false, false)).is_err());
+    assert!(matches!(model.arrange(&[1, 2, 3]), Err(MeshError::LengthMismatch { found: 3, .. })));
+    let other = naive::torus(4, 4, false, false);
+    assert!(model.arrange(other.positions()).is_err());
+    assert!(Baked::<TotallyOrderedMesh>::of_sequence(&other, &sequence, &TomOptions::default()).is_err());
 }
 
 #[test]

@@ -3,10 +3,11 @@
 
 mod support;
 
+use multires::lod::Level;
 use multires::mesh::{Attribute, AttributeValues, Mesh, Topology, shapes};
 use multires::simplify::Simplifier;
-use multires::tom::{Level, TomMesh};
 use proptest::prelude::*;
+use support::lod::bake_tom;
 
 /// Positions, all values, locks and material of every triangle, lowest corner first, sorted: equal for meshes that
 /// differ in order only.
@@ -48,9 +49,9 @@ proptest! {
     fn every_level_is_the_sequences((mesh, sequence) in support::endpoint()) {
         let labels = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
         let mesh = mesh.with_attribute(Attribute::new("wedge", 1, labels)).unwrap();
-        let bundle = TomMesh::new(&mesh, &sequence).unwrap();
+        let bundle = bake_tom(&mesh, &sequence);
         let names = |mesh: &Mesh| mesh.attributes().iter().map(|a| a.name().to_owned()).collect::<Vec<_>>();
-        let mut resolution = bundle.tom().finest();
+        let mut resolution = bundle.structure().finest();
         loop {
             let level = bundle.mesh_at(resolution);
             prop_assert!(is_compact(&level));
@@ -67,7 +68,7 @@ proptest! {
                 other == shown
             });
             prop_assert!(same);
-            match bundle.tom().coarser(resolution) {
+            match bundle.structure().coarser(resolution) {
                 Some(coarser) => resolution = coarser,
                 None => break,
             }
@@ -81,22 +82,22 @@ fn a_model_keeps_all_it_has() {
     let locks: Vec<bool> = (0..mesh.positions().len()).map(|v| v % 97 == 0).collect();
     let mesh = mesh.with_locks(locks).unwrap();
     let sequence = Simplifier::new().run(&mesh).unwrap();
-    let bundle = TomMesh::new(&mesh, &sequence).unwrap();
-    assert!(content(&bundle.level(Level::Ratio(1.0))) == content(&mesh));
-    let base = bundle.level(Level::Ratio(0.0));
+    let bundle = bake_tom(&mesh, &sequence);
+    assert!(content(&bundle.level(Level::Ratio(1.0)).mesh) == content(&mesh));
+    let base = bundle.level(Level::Ratio(0.0)).mesh;
     assert!(content(&base) == content(&sequence.extract(&mesh, sequence.len())));
     assert_eq!(base.material_names(), mesh.material_names());
     assert!(bundle.vertices().triangles().is_empty());
     assert!(bundle.memory() > bundle.plain_memory());
     assert!(bundle.memory() < bundle.plain_memory() * 6 / 5);
-    assert_eq!(bundle.plain_memory(), bundle.level(Level::Ratio(1.0)).memory());
+    assert_eq!(bundle.plain_memory(), bundle.level(Level::Ratio(1.0)).mesh.memory());
 }
 
 #[test]
 fn nothing_makes_nothing() {
     for mesh in [Mesh::default(), Mesh::new([[0.0; 3]; 3], [[0, 1, 1]]).unwrap()] {
-        let bundle = TomMesh::new(&mesh, &Simplifier::new().run(&mesh).unwrap()).unwrap();
-        let level = bundle.level(Level::Triangles(10));
+        let bundle = bake_tom(&mesh, &Simplifier::new().run(&mesh).unwrap());
+        let level = bundle.level(Level::Triangles(10)).mesh;
         assert!(level.triangles().is_empty() && level.positions().is_empty());
     }
 }
@@ -104,28 +105,41 @@ fn nothing_makes_nothing() {
 #[cfg(feature = "io")]
 #[test]
 fn it_comes_back_from_a_file_and_not_from_parts_that_do_not_fit() {
+    use multires::TotallyOrderedMesh;
     use multires::io::{bake, unbake};
-    use multires::tom::TotallyOrderedMesh;
+    use multires::lod::{Baked, Origins, Structure};
 
     #[derive(serde::Serialize)]
     struct Parts<'a> {
-        mesh: &'a Mesh,
-        tom: &'a TotallyOrderedMesh,
+        vertices: &'a Mesh,
+        structure: &'a TotallyOrderedMesh,
+        origins: &'a Origins,
     }
 
     let mesh = shapes::demo();
-    let bundle = TomMesh::new(&mesh, &Simplifier::new().run(&mesh).unwrap()).unwrap();
-    let bytes = bake(TomMesh::KIND, &bundle).unwrap();
-    assert_eq!(unbake::<TomMesh>(TomMesh::KIND, &bytes).unwrap(), bundle);
-    let parts = |mesh: &Mesh| bake(TomMesh::KIND, &Parts { mesh, tom: bundle.tom() }).unwrap();
-    assert!(parts(bundle.vertices()) == bytes);
+    let bundle = bake_tom(&mesh, &Simplifier::new().run(&mesh).unwrap());
+    let bytes = bake(TotallyOrderedMesh::KIND, &bundle).unwrap();
+    assert_eq!(unbake::<Baked<TotallyOrderedMesh>>(TotallyOrderedMesh::KIND, &bytes).unwrap(), bundle);
+    let parts = |vertices: &Mesh, origins: &Origins| {
+        let parts = Parts { vertices, structure: bundle.structure(), origins };
+        bake(TotallyOrderedMesh::KIND, &parts).unwrap()
+    };
+    assert!(parts(bundle.vertices(), bundle.origins()) == bytes);
 
-    let refused = |mesh: &Mesh| unbake::<TomMesh>(TomMesh::KIND, &parts(mesh)).unwrap_err().to_string();
-    let positions = bundle.vertices().positions();
+    let refused = |vertices: &Mesh, origins: &Origins| {
+        let bytes = parts(vertices, origins);
+        unbake::<Baked<TotallyOrderedMesh>>(TotallyOrderedMesh::KIND, &bytes).unwrap_err().to_string()
+    };
+    let (positions, origins) = (bundle.vertices().positions(), bundle.origins());
     let few = Mesh::new(&positions[1..], []).unwrap();
-    assert!(refused(&few).contains("vertices"));
+    assert!(refused(&few, origins).contains("vertices"));
     let more = Mesh::new([positions, &[[0.0; 3]]].concat(), []).unwrap();
-    assert!(refused(&more).contains("vertices"));
+    assert!(refused(&more, origins).contains("vertices"));
     let drawn = Mesh::new(positions, [[0, 1, 2]]).unwrap();
-    assert!(refused(&drawn).contains("triangles"));
+    assert!(refused(&drawn, origins).contains("triangles"));
+    let sphere = shapes::icosphere(1);
+    let other = bake_tom(&sphere, &Simplifier::new().run(&sphere).unwrap());
+    let (found, expected) = (other.origins().len(), positions.len());
+    let said = refused(bundle.vertices(), other.origins());
+    assert!(said.contains(&format!("{found} origins where {expected} are needed")), "{said}");
 }

@@ -5,19 +5,20 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{Geomorph, LevelOfDetail, LodOptions};
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, LodOptions, Triangulation};
 use multires::mesh::shapes;
 use multires::view::{View, look_at};
-use multires::wavelet::{Drawing, Triangulation, WaveletMesh, WaveletOptions};
+use multires::wavelet::{WaveletMesh, WaveletOptions};
 use peak_alloc::PeakAlloc;
-use wavelet::{instance, patchy};
+use wavelet::{buffer, instance, patchy};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// A flight to and around the mesh, with a jump, from the coarsest and back to it. Whether no more memory was in use at any time
 /// than before.
-fn fly(lod: &mut impl LevelOfDetail) -> bool {
+fn fly(lod: &mut impl Lod) -> bool {
     let views: Vec<_> = (0..80)
         .map(|frame| {
             let angle = frame as f32 * 0.05;
@@ -32,7 +33,7 @@ fn fly(lod: &mut impl LevelOfDetail) -> bool {
     let mut written = 0;
     let rest: &[_] = &[];
     for views in views.iter().map(|views| &views[..]).chain([rest; 80]) {
-        lod.adapt_in(views, 1.0 / 60.0);
+        lod.adapt(views, 1.0 / 60.0);
         written += lod.dirty_triangles(0, 4).map(|range| range.len()).sum::<usize>();
         written += lod.dirty_vertices(4).map(|range| range.len()).sum::<usize>();
         lod.clean();
@@ -60,15 +61,14 @@ fn the_second_flight_allocates_nothing() {
             for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
                 for packed in [false, true] {
                     for geomorph in [None, Some(Geomorph::default().with_frames(10.0))] {
-                        let drawing = Drawing::default()
-                            .with_triangulation(triangulation)
-                            .with_packed(packed)
-                            .with_geomorph(geomorph);
-                        let mut lod = instance(&mesh, &drawing).with_options(limits);
+                        let options =
+                            limits.with_buffer(buffer(packed).buffer).with_triangulation(triangulation);
+                        let options = options.with_geomorph(geomorph);
+                        let mut lod = instance(&mesh, &options);
                         let first = fly(&mut lod);
                         let second = fly(&mut lod);
                         assert!(!first, "the first flight must grow buffers");
-                        assert!(second, "limits {i}, {drawing:?}");
+                        assert!(second, "limits {i}, {options:?}");
                     }
                 }
             }

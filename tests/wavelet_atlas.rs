@@ -6,14 +6,15 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{Geomorph, LevelOfDetail};
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, Triangulation, Values};
 use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::quality::{DistanceOptions, texture_deviation};
 use multires::wavelet::{
-    Atlas, AtlasOptions, ChartSize, DomainPoint, Drawing, Face, Normals, Triangulation, WaveletBuilder,
-    WaveletError, WaveletLod, WaveletMesh, WaveletOptions, WaveletParts,
+    Atlas, AtlasOptions, ChartSize, DomainPoint, Face, Normals, WaveletBuilder, WaveletError, WaveletLod,
+    WaveletMesh, WaveletOptions, WaveletParts,
 };
-use wavelet::{bases, drawn_positions, hash, instance, patchy, positions, uniform, view};
+use wavelet::{bases, buffer, drawn_positions, hash, instance, patchy, positions, uniform, view};
 
 const BOTH: [Triangulation; 2] = [Triangulation::Exact, Triangulation::Minimal];
 
@@ -358,17 +359,15 @@ fn seams_stay_closed_while_views_move() {
             .collect();
         for triangulation in BOTH {
             let geomorph = Geomorph::default();
-            let drawing = Drawing::default()
-                .with_triangulation(triangulation)
-                .with_packed(at % 2 == 0)
-                .with_geomorph(Some(geomorph));
+            let drawing = buffer(at % 2 == 0).with_triangulation(triangulation).with_geomorph(Some(geomorph));
             let mut plain = instance(&mesh, &drawing);
-            let mut lod = WaveletLod::<Value>::new(Arc::clone(&worn), Arc::clone(&values), &drawing).unwrap();
+            let values = Values::from(Arc::clone(&values)).with_blending();
+            let mut lod = WaveletLod::<Value>::new(Arc::clone(&worn), values, &drawing).unwrap();
             let mut moved = 0;
             for step in 0..12_u64 {
                 let view = view(&mesh, 40 + step / 4, 8.0).of_world();
-                let change = lod.adapt_in(std::slice::from_ref(&view), 0.07);
-                assert_eq!(plain.adapt_in(&[view], 0.07), change, "{name}");
+                let change = lod.adapt(std::slice::from_ref(&view), 0.07);
+                assert_eq!(plain.adapt(&[view], 0.07), change, "{name}");
                 moved += change.moving;
                 let mut drawn: Vec<[[f32; 3]; 3]> = Vec::new();
                 for group in 0..lod.groups() {

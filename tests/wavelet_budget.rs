@@ -6,10 +6,10 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, LodOptions};
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::shapes;
-use multires::wavelet::{Drawing, Normals, Triangulation, WaveletMesh, WaveletOptions};
-use wavelet::{drawn_positions, instance, patchy, positions, uniform, view};
+use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
+use wavelet::{buffer, drawn_positions, instance, patchy, positions, uniform, view};
 
 fn meshes() -> Vec<Arc<WaveletMesh>> {
     let options = WaveletOptions::default();
@@ -25,14 +25,13 @@ fn a_budget_is_kept_and_used() {
     for mesh in meshes() {
         for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
             for budget in [0, 500, 1_500, 4_000] {
-                let drawing = Drawing::default().with_triangulation(triangulation);
-                let options = LodOptions::default().with_triangles(Some(budget));
-                let mut lod = instance(&mesh, &drawing).with_options(options);
+                let drawing = buffer(false).with_triangulation(triangulation);
+                let mut lod = instance(&mesh, &drawing.with_triangles(Some(budget)));
                 let mut free = instance(&mesh, &drawing);
                 for step in 0..30 {
                     let view = [view(&mesh, step / 10, 0.3 + 0.01 * step as f32).of_world()];
-                    let change = lod.adapt(&view);
-                    let wanted = free.adapt(&view).triangles;
+                    let change = lod.adapt(&view, 1.0 / 60.0);
+                    let wanted = free.adapt(&view, 1.0 / 60.0).triangles;
                     assert_eq!(change.triangles, lod.triangles(0).len());
                     let least = mesh.subdivision().base_face_count();
                     assert!(change.triangles <= budget.max(least), "{} of {budget}", change.triangles);
@@ -46,12 +45,12 @@ fn a_budget_is_kept_and_used() {
                             change.triangles
                         );
                     }
-                    assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh(Normals::Kept)));
+                    assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh_with(Normals::Kept)));
                 }
-                lod.set_options(LodOptions::default());
+                lod.set_options(&drawing).unwrap();
                 let view = [view(&mesh, 1, 0.4).of_world()];
-                lod.adapt(&view);
-                free.adapt(&view);
+                lod.adapt(&view, 1.0 / 60.0);
+                free.adapt(&view, 1.0 / 60.0);
                 assert_eq!(drawn_positions(&lod), drawn_positions(&free));
             }
         }
@@ -62,9 +61,8 @@ fn a_budget_is_kept_and_used() {
 fn a_smaller_budget_draws_a_part_of_a_larger_one() {
     for mesh in meshes() {
         let shown = |budget: usize| {
-            let options = LodOptions::default().with_triangles(Some(budget));
-            let mut lod = instance(&mesh, &Drawing::default()).with_options(options);
-            lod.adapt(&[view(&mesh, 4, 0.2).of_world()]);
+            let mut lod = instance(&mesh, &buffer(false).with_triangles(Some(budget)));
+            lod.adapt(&[view(&mesh, 4, 0.2).of_world()], 1.0 / 60.0);
             (0..mesh.subdivision().wavelet_count() as u32).filter(|&w| lod.shows(w)).collect::<Vec<_>>()
         };
         let (small, large) = (shown(700), shown(2_500));
@@ -76,25 +74,24 @@ fn a_smaller_budget_draws_a_part_of_a_larger_one() {
 fn operations_are_limited_and_nothing_is_lost() {
     for mesh in meshes() {
         for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
-            let drawing = Drawing::default().with_triangulation(triangulation);
-            let mut lod =
-                instance(&mesh, &drawing).with_options(LodOptions::default().with_operations(Some(40)));
+            let drawing = buffer(false).with_triangulation(triangulation);
+            let mut lod = instance(&mesh, &drawing.with_operations(Some(40)));
             let mut free = instance(&mesh, &drawing);
             for step in 0..4 {
                 let view = [view(&mesh, step, 1.0).of_world()];
-                free.adapt(&view);
+                free.adapt(&view, 1.0 / 60.0);
                 loop {
-                    let change = lod.adapt(&view);
+                    let change = lod.adapt(&view, 1.0 / 60.0);
                     assert!(change.cut.splits + change.cut.collapses <= 40);
-                    assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh(Normals::Kept)));
+                    assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh_with(Normals::Kept)));
                     if change.pending == 0 {
                         break;
                     }
                 }
                 assert_eq!(drawn_positions(&lod), drawn_positions(&free));
             }
-            lod.adapt(&[view(&mesh, 9, 0.5).of_world()]);
-            free.adapt(&[view(&mesh, 9, 0.5).of_world()]);
+            lod.adapt(&[view(&mesh, 9, 0.5).of_world()], 1.0 / 60.0);
+            free.adapt(&[view(&mesh, 9, 0.5).of_world()], 1.0 / 60.0);
             lod.settle();
             assert_eq!(drawn_positions(&lod), drawn_positions(&free));
         }

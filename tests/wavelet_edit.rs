@@ -6,15 +6,16 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{Geomorph, LevelOfDetail, LodOptions};
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::{Mesh, shapes};
 use multires::view::ErrorShape;
 use multires::wavelet::{
-    DetailFrame, Drawing, Edited, ErrorBound, Midpoint, Normals, Triangulation, WaveletBuilder, WaveletError,
-    WaveletLod, WaveletMesh, WaveletOptions,
+    DetailFrame, Edited, ErrorBound, Midpoint, Normals, WaveletBuilder, WaveletError, WaveletLod,
+    WaveletMesh, WaveletOptions,
 };
 use proptest::prelude::*;
-use wavelet::{bases, drawn_positions, edge_counts, hash, instance, positions, rough, uniform, view};
+use wavelet::{bases, buffer, drawn_positions, edge_counts, hash, instance, positions, rough, uniform, view};
 
 /// How a mesh is split: the same whatever its positions are.
 #[derive(Clone, Copy)]
@@ -267,7 +268,7 @@ fn only_what_changed_is_touched() {
 
 /// What an instance draws, where everything has come to rest, is what its set of wavelets is.
 fn check_drawn(name: &str, lod: &WaveletLod<[f32; 3]>) {
-    assert_eq!(drawn_positions(lod), positions(&lod.to_mesh(Normals::Kept)), "{name}");
+    assert_eq!(drawn_positions(lod), positions(&lod.to_mesh_with(Normals::Kept)), "{name}");
 }
 
 #[test]
@@ -276,22 +277,19 @@ fn instances_of_an_edited_mesh_are_as_new_ones() {
         let at = at as u64;
         for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
             for geomorph in [None, Some(Geomorph::default())] {
-                let drawing = Drawing::default()
-                    .with_triangulation(triangulation)
-                    .with_packed(at % 2 == 1)
-                    .with_geomorph(geomorph);
+                let drawing = buffer(at % 2 == 1).with_triangulation(triangulation).with_geomorph(geomorph);
                 let mut mesh = Arc::new(mesh.clone());
                 let mut lod = instance(&mesh, &drawing);
                 let mut own = instance(&mesh, &drawing);
                 if at.is_multiple_of(3) {
-                    let limits = LodOptions::default().with_triangles(Some(60));
-                    lod.set_options(limits);
-                    own.set_options(limits);
+                    let limits = drawing.with_triangles(Some(60));
+                    lod.set_options(&limits).unwrap();
+                    own.set_options(&limits).unwrap();
                 }
                 for step in 0..6 {
                     let view = view(&mesh, 10 * at + step / 2, 12.0).of_world();
-                    lod.adapt_in(std::slice::from_ref(&view), 0.05);
-                    own.adapt_in(std::slice::from_ref(&view), 0.05);
+                    lod.adapt(std::slice::from_ref(&view), 0.05);
+                    own.adapt(std::slice::from_ref(&view), 0.05);
                     lod.clean();
                     let level = (step % 4) as usize;
                     let moves = some_moves(&mesh, level, step + at, 2);
@@ -320,9 +318,9 @@ fn instances_of_an_edited_mesh_are_as_new_ones() {
                 }
                 let view = view(&mesh, at, 12.0).of_world();
                 let mut fresh = instance(&mesh, &drawing);
-                fresh.set_options(*lod.options());
+                fresh.set_options(lod.options()).unwrap();
                 for lod in [&mut lod, &mut own, &mut fresh] {
-                    lod.adapt(std::slice::from_ref(&view));
+                    lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
                     lod.settle();
                     check_drawn(&name, lod);
                 }
@@ -360,7 +358,7 @@ fn edits_that_make_no_sense_change_nothing() {
     );
 
     let values: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
-    let mut lod = instance(&mesh, &Drawing::default());
+    let mut lod = instance(&mesh, &buffer(false));
     let other = Arc::new(uniform(&shapes::tetrahedron(), 2, 1, &WaveletOptions::default()));
     assert!(lod.replace(other, Arc::clone(&values), &[]).is_err());
     assert!(lod.replace(Arc::clone(&mesh), Arc::from(&values[1..]), &[]).is_err());

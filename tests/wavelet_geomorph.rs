@@ -6,12 +6,13 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{Geomorph, LevelOfDetail, LodOptions};
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::shapes;
 use multires::view::{Motion, View, look_at};
-use multires::wavelet::{Drawing, Normals, Triangulation, WaveletLod, WaveletMesh, WaveletOptions};
+use multires::wavelet::{Normals, WaveletLod, WaveletMesh, WaveletOptions};
 use proptest::prelude::*;
-use wavelet::{Given, bases, drawn_positions, instance, on_surface, patchy, positions, uniform};
+use wavelet::{Given, bases, buffer, drawn_positions, instance, on_surface, patchy, positions, uniform};
 
 type Place = [f32; 3];
 
@@ -66,9 +67,9 @@ proptest! {
         let (name, base) = bases().swap_remove(base);
         let make = if is_patchy { patchy } else { uniform };
         let mesh = Arc::new(make(&base, 3, 1, &WaveletOptions::default()));
-        let drawing = Drawing::default().with_packed(packed).with_geomorph(Some(slow()));
-        let options = LodOptions::default().with_operations(operations).with_triangles(triangles);
-        let mut lod = instance(&mesh, &drawing).with_options(options);
+        let options = buffer(packed).with_geomorph(Some(slow()));
+        let options = options.with_operations(operations).with_triangles(triangles);
+        let mut lod = instance(&mesh, &options);
         let longest = (0..mesh.subdivision().wavelet_count() as u32)
             .map(|w| mesh.coefficient(mesh.subdivision().vertex_of(w)).unwrap())
             .map(|s| s.iter().map(|x| x * x).sum::<f64>().sqrt())
@@ -109,12 +110,12 @@ proptest! {
         for _ in 0..2_000 {
             // Between operations nothing may move for a frame.
             let pending = lod.adapt_by(&asked, Motion::Other, 0.4).pending;
-            if (pending == 0 || triangles.is_some()) && lod.moving() == 0 && drawn_positions(&lod) == positions(&lod.to_mesh(Normals::Kept)) {
+            if (pending == 0 || triangles.is_some()) && lod.moving() == 0 && drawn_positions(&lod) == positions(&lod.to_mesh_with(Normals::Kept)) {
                 break;
             }
         }
         prop_assert_eq!(lod.moving(), 0);
-        prop_assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh(Normals::Kept)));
+        prop_assert_eq!(drawn_positions(&lod), positions(&lod.to_mesh_with(Normals::Kept)));
         if triangles.is_none() {
             for wavelet in 0..mesh.subdivision().wavelet_count() as u32 {
                 prop_assert_eq!(lod.shows(wavelet), lod.cut().holds(wavelet));
@@ -127,7 +128,7 @@ proptest! {
 fn what_is_not_seen_is_changed_at_once() {
     let mesh = Arc::new(uniform(&shapes::icosphere(0), 4, 2, &WaveletOptions::default()));
     for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
-        let drawing = Drawing::default().with_triangulation(triangulation);
+        let drawing = buffer(false).with_triangulation(triangulation);
         let mut lod = instance(&mesh, &drawing.with_geomorph(Some(slow())));
         let mut at_once = instance(&mesh, &drawing);
         for step in 0..6 {
@@ -144,7 +145,7 @@ fn what_is_not_seen_is_changed_at_once() {
 #[test]
 fn a_wavelet_and_its_descendants_move_together_and_turn_round_where_they_are() {
     let mesh = Arc::new(uniform(&shapes::icosphere(0), 4, 2, &WaveletOptions::default()));
-    let mut lod = instance(&mesh, &Drawing::default().with_geomorph(Some(slow())));
+    let mut lod = instance(&mesh, &buffer(false).with_geomorph(Some(slow())));
     let (all, none) = (Given::new(&mesh, |_| true), Given::new(&mesh, |_| false));
     let count = mesh.subdivision().wavelet_count();
     lod.adapt_by(&all, Motion::Other, 0.0);
@@ -175,12 +176,12 @@ fn a_moving_eye_makes_it_quicker() {
     let mesh = Arc::new(uniform(&shapes::icosphere(0), 4, 2, &WaveletOptions::default()));
     let frames = |speed: f32| {
         let geomorph = Geomorph::default().with_duration(1.0).with_travel(0.5);
-        let mut lod = instance(&mesh, &Drawing::default().with_geomorph(Some(geomorph)));
+        let mut lod = instance(&mesh, &buffer(false).with_geomorph(Some(geomorph)));
         let mut count = 0;
         for frame in 0..100 {
             let eye = [0.0, 0.0, 6.0 - speed * frame as f32];
             let view = View::perspective(look_at(eye, [0.0; 3], [0.0, 1.0, 0.0]), 1.0, [640, 480]).unwrap();
-            lod.adapt_in(&[view.with_tolerance_px(0.05).of_world()], 1.0 / 60.0);
+            lod.adapt(&[view.with_tolerance_px(0.05).of_world()], 1.0 / 60.0);
             if lod.moving() > 0 {
                 count += 1;
             } else if count > 0 {

@@ -2,6 +2,7 @@
 #![cfg(feature = "io")]
 
 use multires::io::{bake, unbake};
+use multires::lod::{Baked, Origins, Structure};
 use multires::mesh::{Mesh, shapes};
 use multires::wavelet::{WaveletBuilder, WaveletMesh, WaveletOptions, WaveletParts};
 use peak_alloc::PeakAlloc;
@@ -17,11 +18,30 @@ fn peak<T>(call: impl FnOnce() -> T) -> (usize, T) {
     (ALLOCATOR.peak_usage().saturating_sub(before), result)
 }
 
-/// Peak of what comes of parts in a file, in bytes of the file; and why it is refused.
+/// A model as it is written.
+#[derive(serde::Serialize)]
+struct Written<'a> {
+    vertices: &'a Mesh,
+    structure: &'a WaveletParts,
+    origins: &'a Origins,
+}
+
+/// Peak of what comes of parts in a file, in bytes of the file; and why it is refused. The same of a model of them, which has
+/// no origins.
 fn load(parts: &WaveletParts) -> (f64, Option<String>) {
     let bytes = bake(WaveletMesh::KIND, parts).unwrap();
     let (most, result) = peak(|| unbake::<WaveletMesh>(WaveletMesh::KIND, &bytes));
-    (most as f64 / bytes.len() as f64, result.err().map(|error| error.to_string()))
+    let factor = most as f64 / bytes.len() as f64;
+
+    let model = Written { vertices: &Mesh::default(), structure: parts, origins: &Origins::default() };
+    let bytes = bake(WaveletMesh::KIND, &model).unwrap();
+    let (most, whole) = peak(|| unbake::<Baked<WaveletMesh>>(WaveletMesh::KIND, &bytes));
+    let (refused, whole) = (result.err().map(|error| error.to_string()), whole.unwrap_err().to_string());
+    match &refused {
+        Some(why) => assert_eq!(&whole, why),
+        None => assert!(whole.contains("there are 0 origins"), "{whole}"),
+    }
+    (factor.max(most as f64 / bytes.len() as f64), refused)
 }
 
 /// A strip of triangles, each at the edge of the last.

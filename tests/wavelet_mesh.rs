@@ -1,6 +1,8 @@
 //! Promise: a recognised mesh comes out as it went in: every triangle, attribute and material, bit for bit; and what coarser levels
 //! have of it is what it has.
 
+#[path = "support/models.rs"]
+mod real;
 #[path = "support/wavelet.rs"]
 mod wavelet;
 
@@ -174,15 +176,8 @@ fn the_same_bytes_for_any_number_of_threads() {
 mod models {
     use super::*;
 
-    /// The model of that name, or `None` with a word about it.
     fn read(name: &str) -> Option<Mesh> {
-        let folder = std::env::var_os("MULTIRES_MODELS").unwrap_or_else(|| "../shared/models".into());
-        let path = std::path::Path::new(&folder).join(name);
-        if path.exists() {
-            return Some(multires::io::read(&path).unwrap());
-        }
-        eprintln!("skipped: there is no {}", path.display());
-        None
+        crate::real::read("wavelet_mesh", name)
     }
 
     #[test]

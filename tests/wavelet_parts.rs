@@ -6,15 +6,16 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{Geomorph, LevelOfDetail, LodOptions};
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::{Attribute, AttributeValues, Mesh, shapes};
 use multires::view::ErrorShape;
 use multires::wavelet::{
-    Drawing, ErrorBound, Normals, Subdivision, Triangulation, WaveletBounds, WaveletBuilder, WaveletMesh,
-    WaveletOptions, WaveletParts,
+    ErrorBound, Normals, Subdivision, WaveletBounds, WaveletBuilder, WaveletMesh, WaveletOptions,
+    WaveletParts,
 };
 use proptest::prelude::*;
-use wavelet::{bases, hash, instance, patchy, rough, uniform, view};
+use wavelet::{bases, buffer, hash, instance, patchy, rough, uniform, view};
 
 const BOTH: [Triangulation; 2] = [Triangulation::Exact, Triangulation::Minimal];
 
@@ -216,21 +217,19 @@ fn use_it(mesh: WaveletMesh, seed: u64) {
     }
     let mesh = Arc::new(mesh);
     for kind in 0..4 {
-        let drawing = Drawing::default()
+        let options = buffer(kind / 2 == 1)
             .with_triangulation(BOTH[kind % 2])
-            .with_packed(kind / 2 == 1)
-            .with_geomorph((kind > 1).then(Geomorph::default));
-        let limits = LodOptions::default()
+            .with_geomorph((kind > 1).then(Geomorph::default))
             .with_triangles((kind > 0).then_some(of_half(&mesh)))
             .with_operations((kind == 3).then_some(20));
-        let mut lod = instance(&mesh, &drawing).with_options(limits);
+        let mut lod = instance(&mesh, &options);
         for frame in 0..4 {
             match mesh.extent() {
                 Some(_) if mesh.diagonal() > 0.0 && frame != 2 => {
-                    lod.adapt(&[view(&mesh, seed + frame, 0.5 + frame as f32).of_world()]);
+                    lod.adapt(&[view(&mesh, seed + frame, 0.5 + frame as f32).of_world()], 1.0 / 60.0);
                 }
                 _ => {
-                    lod.adapt(&[]);
+                    lod.adapt(&[], 1.0 / 60.0);
                 }
             }
             for group in 0..lod.groups() {
@@ -241,7 +240,7 @@ fn use_it(mesh: WaveletMesh, seed: u64) {
             lod.clean();
         }
         lod.settle();
-        sound(&lod.to_mesh(Normals::Kept));
+        sound(&lod.to_mesh_with(Normals::Kept));
     }
 }
 
@@ -356,6 +355,7 @@ fn bounds_are_nested_at_the_edge_of_what_is_legal() {
 mod files {
     use super::*;
     use multires::io::{bake, unbake};
+    use multires::lod::Structure;
 
     #[test]
     fn bytes_come_back_as_they_were() {

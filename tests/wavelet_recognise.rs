@@ -1,6 +1,8 @@
 //! Promise: four-to-one subdivisions are found however triangles and vertices are numbered, down to the coarsest base;
 //! what comes out is a forest of the whole mesh whose faces, corners and edges fit together; no mesh makes it panic.
 
+#[path = "support/models.rs"]
+mod real;
 mod subdivide;
 
 use multires::mesh::{Attribute, Mesh, names, shapes};
@@ -421,19 +423,9 @@ mod models {
     use std::collections::BTreeSet;
 
     use super::*;
-    use multires::io;
 
     fn read(file: &str) -> Option<Mesh> {
-        let root = std::env::var_os("MULTIRES_MODELS").map_or_else(
-            || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"),
-            std::path::PathBuf::from,
-        );
-        let path = root.join(file);
-        if !path.exists() {
-            eprintln!("wavelet_recognise: skipping {file}: no {} (set MULTIRES_MODELS)", path.display());
-            return None;
-        }
-        Some(io::read(path).unwrap())
+        crate::real::read("wavelet_recognise", file)
     }
 
     #[test]

@@ -6,11 +6,12 @@ mod wavelet;
 
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, Refinements};
+use multires::adapt::Refinements;
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::{Mesh, shapes};
 use multires::view::{ErrorShape, ObjectView, View, look_at};
-use multires::wavelet::{Drawing, ErrorBound, Normals, Triangulation, WaveletMesh, WaveletOptions};
-use wavelet::{bases, hash, instance, on_surface, patchy, uniform};
+use multires::wavelet::{ErrorBound, Normals, WaveletMesh, WaveletOptions};
+use wavelet::{bases, buffer, hash, instance, on_surface, patchy, uniform};
 
 const HEIGHT: u32 = 480;
 const FOV: f32 = 1.0;
@@ -51,8 +52,8 @@ fn bounds_are_nested() {
 /// Where each vertex of the full resolution is drawn.
 fn drawn(mesh: &WaveletMesh, view: &ObjectView) -> Vec<[f64; 3]> {
     let mesh = &Arc::new(mesh.clone());
-    let mut lod = instance(mesh, &Drawing::default());
-    lod.adapt(std::slice::from_ref(view));
+    let mut lod = instance(mesh, &buffer(false));
+    lod.adapt(std::slice::from_ref(view), 1.0 / 60.0);
     let places = mesh.vertices().positions();
     let of = mesh.subdivision();
     on_surface(mesh, |vertex| match of.wavelet_of(vertex) {
@@ -152,7 +153,7 @@ fn a_spheroid_never_asks_for_more_than_hoppes_shape() {
             [ErrorShape::Spheroid, ErrorShape::SphereAndCones].map(|s| models(&options(bound, s)));
         for ((name, round), (_, pointed)) in round.into_iter().zip(pointed) {
             let [mut round, mut pointed] =
-                [round, pointed].map(|mesh| instance(&Arc::new(mesh), &Drawing::default()));
+                [round, pointed].map(|mesh| instance(&Arc::new(mesh), &buffer(false)));
             let (mut few, mut many) = (0, 0);
             for frame in 0..120 {
                 let angle = frame as f32 * 0.1;
@@ -161,7 +162,7 @@ fn a_spheroid_never_asks_for_more_than_hoppes_shape() {
                 let view =
                     View::perspective(look_at(eye, [0.0; 3], [0.0, 1.0, 0.0]), FOV, [640, HEIGHT]).unwrap();
                 let view = [view.with_tolerance_px(0.5).of_world()];
-                let [a, b] = [&mut round, &mut pointed].map(|lod| lod.adapt(&view).triangles);
+                let [a, b] = [&mut round, &mut pointed].map(|lod| lod.adapt(&view, 1.0 / 60.0).triangles);
                 // Errors of all directions alike are balls to both, nearly.
                 let room = if name.starts_with("rough") { b / 1000 } else { 0 };
                 assert!(a <= b + room, "{name} {bound:?}, frame {frame}: {a} and {b}");

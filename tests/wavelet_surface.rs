@@ -6,11 +6,13 @@ mod wavelet;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use multires::adapt::LevelOfDetail;
+use multires::lod::{Lod, Triangulation};
 use multires::mesh::Mesh;
-use multires::wavelet::{Drawing, Normals, Triangulation, WaveletMesh, WaveletOptions};
+use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use proptest::prelude::*;
-use wavelet::{bases, drawn_positions, edge_counts, hash, instance, patchy, positions, uniform, view};
+use wavelet::{
+    bases, buffer, drawn_positions, edge_counts, hash, instance, patchy, positions, uniform, view,
+};
 
 const BOTH: [Triangulation; 2] = [Triangulation::Exact, Triangulation::Minimal];
 
@@ -94,17 +96,17 @@ proptest! {
         let mesh = Arc::new(mesh);
         for triangulation in BOTH {
             for packed in [false, true] {
-                let drawing = Drawing::default().with_triangulation(triangulation).with_packed(packed);
+                let drawing = buffer(packed).with_triangulation(triangulation);
                 let mut lod = instance(&mesh, &drawing);
                 for step in 0..6 {
                     let view = view(&mesh, seed + step, px).of_world();
-                    let change = lod.adapt(std::slice::from_ref(&view));
+                    let change = lod.adapt(std::slice::from_ref(&view), 1.0 / 60.0);
                     prop_assert_eq!(change.triangles, (0..lod.groups()).map(|g| lod.triangles(g).len()).sum::<usize>());
-                    let fresh = lod.to_mesh(Normals::Kept);
+                    let fresh = lod.to_mesh_with(Normals::Kept);
                     let difference = differs(&drawn_positions(&lod), &positions(&fresh));
                     prop_assert!(difference.is_none(), "{} {:?} step {} {:?}", &name, triangulation, step, difference);
                     let mut other = instance(&mesh, &drawing);
-                    other.adapt(&[view]);
+                    other.adapt(&[view], 1.0 / 60.0);
                     prop_assert_eq!(drawn_positions(&lod), drawn_positions(&other));
                 }
             }

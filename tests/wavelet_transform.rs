@@ -2,6 +2,8 @@
 //! subdivision where coefficients are left out; k-disk wavelets are orthogonal to the coarse hats of their disk, norms
 //! and errors are the integrals they say, and at equal counts k-disk wavelets are nearer than lazy ones.
 
+#[path = "support/models.rs"]
+mod models;
 #[path = "support/wavelet.rs"]
 mod support;
 
@@ -87,16 +89,9 @@ const WITH_CONNECTIVITY: [&str; 9] = [
     "real/homer.obj",
 ];
 
-/// From `$MULTIRES_MODELS`, `../shared/models` by default.
 #[cfg(feature = "io")]
 fn model(name: &str) -> Option<WaveletMesh> {
-    let root = std::env::var_os("MULTIRES_MODELS").unwrap_or_else(|| "../shared/models".into());
-    let path = std::path::Path::new(&root).join(name);
-    if !path.is_file() {
-        eprintln!("wavelet_transform: skipping {name}: no {} (set MULTIRES_MODELS)", path.display());
-        return None;
-    }
-    let mesh = multires::io::read(path).unwrap();
+    let mesh = models::read("wavelet_transform", name)?;
     let bare = Mesh::new(mesh.positions(), mesh.triangles()).unwrap();
     // Texture seams may cut through coarse faces.
     let found = WaveletMesh::recognise(&mesh, &options());

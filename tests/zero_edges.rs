@@ -5,12 +5,12 @@ mod support;
 
 use std::collections::BTreeMap;
 
-use multires::hierarchy::{Dependencies, HierarchyLod, HierarchyMesh};
+use multires::hierarchy::Dependencies;
+use multires::lod::{Lod, LodOptions, Values};
 use multires::mesh::{Mesh, Topology, shapes};
 use multires::simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier};
-use multires::tom::TomMesh;
 use multires::view::Motion;
-use support::lod::Random;
+use support::lod::{Random, bake_hierarchy, bake_tom};
 use support::naive;
 
 type Place = [u32; 3];
@@ -119,8 +119,8 @@ fn the_sequence_and_its_progressive_mesh() {
 fn the_totally_ordered_mesh() {
     for mesh in inputs() {
         let sequence = Simplifier::new().run(&mesh).unwrap();
-        let ordered = TomMesh::new(&mesh, &sequence).unwrap();
-        let tom = ordered.tom();
+        let ordered = bake_tom(&mesh, &sequence);
+        let tom = ordered.structure();
         let mut resolution = tom.finest();
         let drawn = tom.triangle_count();
         assert_eq!(drawn, sequence.triangles_after(0), "triangles at full resolution");
@@ -138,14 +138,16 @@ fn the_totally_ordered_mesh() {
 fn the_vertex_hierarchy() {
     for mesh in inputs() {
         for sequence in sequences(&mesh) {
-            let bundle = HierarchyMesh::new(&mesh, &sequence, Dependencies::None).unwrap();
-            assert_eq!(bundle.hierarchy().triangle_count(), sequence.triangles_after(0));
-            let mut lod = HierarchyLod::new(bundle.hierarchy().clone());
-            check(&bundle.mesh_at(&lod), "hierarchy, coarsest");
+            let bundle = bake_hierarchy(&mesh, &sequence, Dependencies::None);
+            let hierarchy = bundle.structure();
+            assert_eq!(hierarchy.triangle_count(), sequence.triangles_after(0));
+            let none = Values::none(hierarchy.vertex_count());
+            let mut lod = bundle.instance(none, &LodOptions::default()).unwrap();
+            check(&lod.to_mesh(), "hierarchy, coarsest");
             for (seed, share) in [100, 80, 60, 40, 20].into_iter().enumerate() {
-                let asked = Random::new(bundle.hierarchy(), seed as u64 + 1, share);
-                lod.adapt_by(&asked, Motion::Other);
-                check(&bundle.mesh_at(&lod), "hierarchy");
+                let asked = Random::new(hierarchy, seed as u64 + 1, share);
+                lod.adapt_by(&asked, Motion::Other, 0.0);
+                check(&lod.to_mesh(), "hierarchy");
             }
         }
     }
@@ -160,7 +162,7 @@ fn a_sequence_from_elsewhere() {
         let flat = mesh.triangles().iter().map(|&t| has_zero_edge(places(&mesh, t)));
         let ends = sequence.triangle_ends().iter().map(|&end| end == 0);
         assert!(flat.eq(ends), "degenerate triangles, and no others, are gone after 0 steps");
-        let ordered = TomMesh::new(&mesh, &sequence).unwrap();
-        check(&ordered.mesh_at(ordered.tom().finest()), "totally ordered mesh");
+        let ordered = bake_tom(&mesh, &sequence);
+        check(&ordered.mesh_at(ordered.structure().finest()), "totally ordered mesh");
     }
 }

@@ -1,12 +1,65 @@
 //! What a vertex must be able to do to move: be mixed with another.
 
+use bytemuck::Pod;
+
+/// Bytes of a number.
+const NUMBER: usize = size_of::<f32>();
+
 /// A value between two of its kind.
 ///
+/// A vertex that is single-precision numbers alone needs no more than `impl Blend for Vertex {}`: each is mixed by itself.
+/// One with anything else, as colours in bytes or joints, says how that is mixed.
+///
 /// At `t = 0` the result must be `self` and at `t = 1` `other`, exactly: a vertex at rest is where it belongs.
-pub trait Blend: Sized {
-    /// `(1 - t) * self + t * other`; `t` is from 0 to 1.
+///
+/// ```
+/// use bytemuck::{Pod, Zeroable};
+/// use multires::adapt::Blend;
+///
+/// #[repr(C)]
+/// #[derive(Clone, Copy, Pod, Zeroable)]
+/// struct Plain {
+///     position: [f32; 3],
+///     uv: [f32; 2],
+/// }
+/// impl Blend for Plain {}
+///
+/// #[repr(C)]
+/// #[derive(Clone, Copy, Pod, Zeroable)]
+/// struct Painted {
+///     position: [f32; 3],
+///     colour: [u8; 4],
+/// }
+/// impl Blend for Painted {
+///     fn blend(&self, other: &Self, t: f32) -> Self {
+///         let channel = |i: usize| {
+///             f32::from(self.colour[i]).blend(&f32::from(other.colour[i]), t).round() as u8
+///         };
+///         Self { position: self.position.blend(&other.position, t), colour: std::array::from_fn(channel) }
+///     }
+/// }
+///
+/// let [black, white] = [0, 255].map(|c: u8| Painted { position: [f32::from(c); 3], colour: [c; 4] });
+/// assert_eq!(black.blend(&white, 0.2).colour, [51; 4]);
+/// # let [a, b] = [0.0, 1.0].map(|x| Plain { position: [x; 3], uv: [x; 2] });
+/// # assert_eq!(a.blend(&b, 0.25).uv, [0.25; 2]);
+/// ```
+pub trait Blend: Pod {
+    /// `(1 - t) * self + t * other`; `t` is from 0 to 1. Unless implemented, of every four bytes as a number; bytes that are
+    /// left over are those of `self`, and at `t = 1` those of `other`.
     #[must_use]
-    fn blend(&self, other: &Self, t: f32) -> Self;
+    fn blend(&self, other: &Self, t: f32) -> Self {
+        if t >= 1.0 {
+            return *other;
+        }
+        let mut mixed = *self;
+        let bytes = bytemuck::bytes_of_mut(&mut mixed).chunks_exact_mut(NUMBER);
+        for (bytes, other) in bytes.zip(bytemuck::bytes_of(other).chunks_exact(NUMBER)) {
+            let [a, b]: [f32; 2] = [bytemuck::pod_read_unaligned(bytes), bytemuck::pod_read_unaligned(other)];
+            bytes.copy_from_slice(&a.blend(&b, t).to_ne_bytes());
+        }
+        mixed
+    }
 
     /// `self + t * (to - from)`: carried along by a share of another's way; `t` is from 0 to 1. At `t = 0` `self`, and at
     /// `t = 1` `to` where `self` equals `from`, exactly. Unless implemented, `(1 - t) * self + t * to`, which is the same

@@ -36,7 +36,24 @@ impl Dirty {
     /// The marked elements below `count` as ascending ranges; those that at most `gap` unmarked elements part are one.
     /// O(count / 64 + ranges).
     pub fn ranges(&self, count: usize, gap: usize) -> DirtyRanges<'_> {
-        DirtyRanges { words: &self.words, at: 0, count, gap }
+        self.ranges_of(0..count, gap)
+    }
+
+    /// The marked elements of a range, likewise, counted from its start.
+    pub(crate) fn ranges_of(&self, of: Range<usize>, gap: usize) -> DirtyRanges<'_> {
+        DirtyRanges { words: &self.words, at: of.start, start: of.start, count: of.end.max(of.start), gap }
+    }
+
+    /// Forgets the marks of a range. O(its length / 64).
+    pub(crate) fn clear_range(&mut self, of: Range<usize>) {
+        let end = of.end.min(self.words.len() * 64);
+        let mut at = of.start;
+        while at < end {
+            let next = ((at / 64 + 1) * 64).min(end);
+            let upper = if next.is_multiple_of(64) { u64::MAX } else { (1 << (next % 64)) - 1 };
+            self.words[at / 64] &= !(upper & (u64::MAX << (at % 64)));
+            at = next;
+        }
     }
 
     /// Bytes held.
@@ -50,6 +67,9 @@ impl Dirty {
 pub struct DirtyRanges<'a> {
     words: &'a [u64],
     at: usize,
+    /// What elements are counted from.
+    start: usize,
+    /// One behind the last element.
     count: usize,
     gap: usize,
 }
@@ -57,7 +77,7 @@ pub struct DirtyRanges<'a> {
 impl DirtyRanges<'_> {
     /// No ranges.
     pub(crate) fn none() -> Self {
-        Self { words: &[], at: 0, count: 0, gap: 0 }
+        Self { words: &[], at: 0, start: 0, count: 0, gap: 0 }
     }
 
     /// First element from `from` on that is marked (or not), at most `count`.
@@ -100,7 +120,7 @@ impl Iterator for DirtyRanges<'_> {
             end = self.seek(next, false);
         }
         self.at = end;
-        Some(start..end)
+        Some(start - self.start..end - self.start)
     }
 }
 
@@ -127,6 +147,13 @@ mod tests {
             }
             assert!(ranges.iter().all(|r| marks.contains(&r.start) && marks.contains(&(r.end - 1))));
             assert!(ranges.windows(2).all(|w| w[1].start - w[0].end > gap));
+            let part = random(count)..count;
+            let whole = dirty.ranges(count, 0).flatten().filter(|m| part.contains(m));
+            let shifted = dirty.ranges_of(part.clone(), 0).flatten().map(|m| m + part.start);
+            assert!(whole.eq(shifted));
+            let kept: Vec<usize> = dirty.ranges(count, 0).flatten().filter(|m| !part.contains(m)).collect();
+            dirty.clear_range(part);
+            assert!(dirty.ranges(count, 0).flatten().eq(kept));
             dirty.clear();
             dirty.mark_all(count);
             assert!(dirty.ranges(count, 0).eq(std::iter::once(0..count)));

@@ -18,6 +18,8 @@ use super::refinements::Refinements;
 
 /// The mesh that shows refinements, and whoever moves its vertices.
 pub(crate) trait Picture {
+    /// Triangles drawn.
+    fn triangles(&self) -> usize;
     /// Triangles that a refinement would add now; of one that is shown and may go, those that it would take away.
     fn cost(&self, r: u32) -> usize;
     /// All transitions go on by a share of their way.

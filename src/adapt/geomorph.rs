@@ -37,8 +37,7 @@ impl Geomorph {
         self
     }
 
-    /// With this duration in frames of a sixtieth of a second, as [`LevelOfDetail::adapt`](super::LevelOfDetail::adapt)
-    /// counts them.
+    /// With this duration in frames of a sixtieth of a second.
     #[must_use]
     pub fn with_frames(self, frames: f32) -> Self {
         self.with_duration(frames / 60.0)

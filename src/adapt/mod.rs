@@ -10,36 +10,33 @@
 //! | `balance.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
 //! | `follow.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
 //! | `pace.rs` | between the cut and what is shown: budgets, and how much a frame |
-//! | `options.rs` | [`LodOptions`]: how much a frame, how much at most |
+//! | `tolerance.rs` | a factor for all tolerances that may turn every frame |
 //! | `geomorph.rs` | [`Geomorph`]: how long a transition takes |
 //! | `blend.rs` | [`Blend`]: what a vertex must be able to do to move |
-//! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
-//! | `level_of_detail.rs` | [`LevelOfDetail`]: what an engine sees of it |
+//! | `change.rs` | [`Change`]: what one move of an instance did |
 //! | `dirty.rs` | [`Dirty`]: ranges of a buffer that changed |
 
 mod balance;
 mod blend;
+mod change;
 mod closure;
 mod cut;
 mod dirty;
 mod follow;
 mod front;
 mod geomorph;
-mod level_of_detail;
-mod options;
 mod pace;
 mod refinements;
-mod short_indices;
+mod tolerance;
 mod wheel;
 
 pub use blend::Blend;
+pub use change::Change;
 pub(crate) use cut::is_done;
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
 pub(crate) use follow::Picture;
 pub use geomorph::Geomorph;
-pub use level_of_detail::{Change, LevelOfDetail};
-pub use options::LodOptions;
 pub(crate) use pace::Pace;
 pub use refinements::Refinements;
-pub use short_indices::ShortIndices;
+pub(crate) use tolerance::Tolerance;

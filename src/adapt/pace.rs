@@ -3,10 +3,9 @@
 use crate::view::{Criterion, Motion};
 
 use super::balance::Budget;
+use super::change::Change;
 use super::cut::Cut;
 use super::follow::{Follow, Limits, Picture};
-use super::level_of_detail::Change;
-use super::options::LodOptions;
 use super::refinements::Refinements;
 
 /// What a level of detail with limits, or with vertices that move, keeps besides its cut.
@@ -25,13 +24,13 @@ impl Pace {
         Self { operations: usize::MAX, triangles: usize::MAX, budget: None, follow }
     }
 
-    /// Sets the limits. `triangles` is what the cut has.
-    pub fn set(&mut self, options: &LodOptions, triangles: usize) {
-        self.operations = options.operations.unwrap_or(usize::MAX);
-        self.triangles = options.triangles.unwrap_or(usize::MAX);
-        match (options.triangles, &mut self.budget) {
+    /// Sets the limits of triangles and of operations. The cut has `at_cut` triangles.
+    pub fn set(&mut self, triangles: Option<usize>, operations: Option<usize>, at_cut: usize) {
+        self.operations = operations.unwrap_or(usize::MAX);
+        self.triangles = triangles.unwrap_or(usize::MAX);
+        match (triangles, &mut self.budget) {
             (Some(limit), Some(budget)) => budget.set_limit(limit),
-            (limit, budget) => *budget = limit.map(|limit| Budget::new(limit, triangles)),
+            (limit, budget) => *budget = limit.map(|limit| Budget::new(limit, at_cut)),
         }
     }
 

@@ -7,12 +7,12 @@
 //!                                                                            one level lies together
 //! ```
 
-use bytemuck::NoUninit;
+use std::ops::ControlFlow;
 
-use crate::error::MeshError;
-use crate::mesh::{Mesh, NONE, check_folded};
+use crate::lod::Progress;
+use crate::mesh::{Mesh, NONE};
 use crate::simplify::lineage::Lineage;
-use crate::simplify::{CollapseSequence, NewVertex, Origin};
+use crate::simplify::{CollapseSequence, Origin};
 
 use super::bounds::bounds;
 use super::context::lonely_errors;
@@ -35,83 +35,11 @@ pub struct HierarchyBuild {
     pub vertex_order: Vec<u32>,
     /// Per triangle of the structure its number in the input.
     pub triangle_order: Vec<u32>,
-    /// Vertices of the input.
-    pub input_vertices: usize,
-    /// The sequence's new vertices.
-    pub new_vertices: Vec<NewVertex>,
-    /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
-    pub snaps: Vec<[u32; 2]>,
-    /// Duplicates that nothing in the mesh tells apart, as `[duplicate, kept]`: those of the sequence's
-    /// [aliases](CollapseSequence::aliases) whose values must be the same.
-    pub folded: Vec<[u32; 2]>,
-}
-
-impl HierarchyBuild {
-    /// Values of the input's vertices in the order of the structure, where collapses have made no new ones. O(n).
-    ///
-    /// # Errors
-    /// As many values as input vertices are needed. There are new vertices ([`MeshError::NewVertices`]: see
-    /// [`arrange_with`](Self::arrange_with)). Vertices that nothing in the mesh told apart differ ([`MeshError::Folded`]): a
-    /// seam would be lost.
-    pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, MeshError> {
-        if !self.new_vertices.is_empty() {
-            return Err(MeshError::NewVertices { count: self.new_vertices.len() });
-        }
-        let arranged = self.arrange_with(values, |kept, _, _| *kept)?;
-        check_folded(values, &self.folded)?;
-        Ok(arranged)
-    }
-
-    /// Values of the input's vertices in the order of the structure; `blend` makes those of new vertices from two others
-    /// and the share of the second. O(n).
-    ///
-    /// # Errors
-    /// As many values as input vertices are needed.
-    pub fn arrange_with<V: Copy>(
-        &self,
-        values: &[V],
-        mut blend: impl FnMut(&V, &V, f32) -> V,
-    ) -> Result<Vec<V>, MeshError> {
-        let expected = self.input_vertices;
-        if values.len() != expected {
-            return Err(MeshError::LengthMismatch {
-                what: "values".to_owned(),
-                found: values.len(),
-                expected,
-            });
-        }
-        let mut made = Vec::with_capacity(self.new_vertices.len());
-        let value = |made: &[V], v: u32| match made.get((v as usize).wrapping_sub(expected)) {
-            Some(&new) => new,
-            None => values[v as usize],
-        };
-        for new in &self.new_vertices {
-            let [a, b] = new.from.map(|v| value(&made, v));
-            made.push(blend(&a, &b, new.weight));
-        }
-        Ok(self.vertex_order.iter().map(|&v| value(&made, v)).collect())
-    }
-
-    /// Positions in the order of the structure, object units: new vertices lie where their collapses put them, snapped ones
-    /// where the simplification has snapped them.
-    ///
-    /// # Errors
-    /// As many positions as input vertices are needed.
-    pub fn positions(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, MeshError> {
-        let mut snapped;
-        let mut input = positions;
-        if !self.snaps.is_empty() && positions.len() == self.input_vertices {
-            snapped = positions.to_vec();
-            self.snaps.iter().for_each(|&[v, to]| snapped[v as usize] = positions[to as usize]);
-            input = &snapped;
-        }
-        let mut new = self.new_vertices.iter();
-        self.arrange_with(input, |_, _, _| new.next().map_or([0.0; 3], |new| new.position))
-    }
 }
 
 impl VertexHierarchy {
-    /// Reads a sequence against the mesh it was made from. O(n log n), and O(n x neighbours) more with dependencies.
+    /// Reads a sequence against the mesh it was made from. O(n log n), and O(n x neighbours) more with dependencies. With its
+    /// vertices, and where they come from: [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
     ///
     /// # Errors
     /// The sequence belongs to another mesh or does not hold together; more elements than can be numbered.
@@ -120,6 +48,20 @@ impl VertexHierarchy {
         sequence: &CollapseSequence,
         dependencies: Dependencies,
     ) -> Result<HierarchyBuild, HierarchyError> {
+        Self::build_with(mesh, sequence, dependencies, &mut |_| ControlFlow::Continue(()))
+    }
+
+    pub(super) fn build_with(
+        mesh: &Mesh,
+        sequence: &CollapseSequence,
+        dependencies: Dependencies,
+        progress: Progress<'_>,
+    ) -> Result<HierarchyBuild, HierarchyError> {
+        let mut stage = |share: f32| match progress(share) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(HierarchyError::Cancelled),
+        };
+        stage(0.0)?;
         let lineage = Lineage::new(mesh, sequence)?;
         let triangles = mesh.triangles().len();
         if triangles > MOST_TRIANGLES {
@@ -129,7 +71,9 @@ impl VertexHierarchy {
                 limit: MOST_TRIANGLES,
             });
         }
+        stage(0.2)?;
         let forest = Forest::new(mesh, sequence, &lineage);
+        stage(0.4)?;
         let splits = Splits::new(sequence, &lineage, &forest);
         let count = splits.brings.start.len() - 1;
 
@@ -175,19 +119,15 @@ impl VertexHierarchy {
             jump: Vec::new(),
         };
         hierarchy.jump = hierarchy.jumps();
+        stage(0.6)?;
         let lonely = lonely_errors(&hierarchy, &hierarchy.brings, &forest.end, &forest.positions);
         let error: Vec<f32> = splits.error.iter().zip(&lonely).map(|(a, b)| a.max(*b)).collect();
+        stage(0.8)?;
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
+        stage(0.9)?;
         hierarchy.needs = needs(&hierarchy, &splits.order, dependencies);
-        Ok(HierarchyBuild {
-            hierarchy,
-            vertex_order: forest.order,
-            triangle_order: by_split.items,
-            input_vertices: sequence.input_vertices(),
-            new_vertices: sequence.new_vertices().to_vec(),
-            snaps: sequence.snaps().to_vec(),
-            folded: sequence.folded(mesh),
-        })
+        stage(1.0)?;
+        Ok(HierarchyBuild { hierarchy, vertex_order: forest.order, triangle_order: by_split.items })
     }
 }
 

@@ -56,4 +56,7 @@ pub enum HierarchyError {
         /// Index of the element.
         at: usize,
     },
+    /// Whoever was told of the progress said to stop.
+    #[error("the build was cancelled")]
+    Cancelled,
 }

@@ -16,38 +16,35 @@
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
 //! | `instance.rs` | [`HierarchyLod`]: one drawn instance |
-//! | `builder.rs` | [`HierarchyBuilder`]: from a mesh in one call |
-//! | `bundle.rs` | [`HierarchyMesh`]: a hierarchy and its vertices, as baked to a file |
+//! | `baked.rs` | a hierarchy under the one face of all structures; [`HierarchyOptions`] |
+//! | `builder.rs` | [`HierarchyBuilder`]: presets |
 //! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
 //! | `drawn.rs` | what is drawn, as the cut has it moved |
-//! | `morphed.rs` | [`MorphedLod`]: an instance whose vertices move to their places |
-//! | `moving.rs` | where moving vertices are |
+//! | `vertices.rs` | the vertex buffer, and where moving vertices are |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
 
+mod baked;
 mod bounds;
 mod build;
 mod builder;
-mod bundle;
 mod context;
 mod drawn;
 mod error;
 mod instance;
-mod morphed;
-mod moving;
 mod needs;
 mod packed;
 mod parts;
 mod stars;
 mod surface;
 mod validate;
+mod vertices;
 
+pub use baked::HierarchyOptions;
 pub use build::HierarchyBuild;
 pub use builder::HierarchyBuilder;
-pub use bundle::HierarchyMesh;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
-pub use morphed::MorphedLod;
 pub use needs::Dependencies;
 pub use parts::HierarchyParts;
 pub use surface::Surface;
@@ -95,7 +92,7 @@ impl Lists {
 
 /// A forest of vertices with everything that refining it by view takes: immutable, shared by all instances.
 ///
-/// Vertices are numbered anew ([`HierarchyBuild::arrange_with`]): the input's first, so that all that one vertex stands for are
+/// Vertices are numbered anew ([`Origins`](crate::lod::Origins)): the input's first, so that all that one vertex stands for are
 /// consecutive; then new ones.
 ///
 /// serde goes through [`HierarchyParts`] and validates ([`VertexHierarchy::validate`]).

@@ -149,6 +149,11 @@ impl Surface {
         self.clean_vertices();
     }
 
+    /// Takes all for written.
+    pub(super) fn invalidate(&mut self) {
+        self.output.groups.iter_mut().for_each(|group| group.dirty.mark_all(group.drawn.len()));
+    }
+
     /// The same for slots alone.
     pub(super) fn clean_vertices(&mut self) {
         if let Some(packed) = &mut self.output.packed {

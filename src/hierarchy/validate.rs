@@ -246,14 +246,15 @@ fn broken<T>(what: &'static str, at: usize) -> Result<T, HierarchyError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::HierarchyBuilder;
     use super::*;
     use crate::mesh::shapes;
 
     /// What parts cannot break, since it is derived from them.
     #[test]
     fn what_is_derived_is_checked() {
-        let mesh = VertexHierarchy::builder().build(&shapes::rock(300, 1)).expect("a rock");
-        let good = (**mesh.hierarchy()).clone();
+        let mesh = HierarchyBuilder::new().bake(&shapes::rock(300, 1)).expect("a rock");
+        let good = (**mesh.structure()).clone();
         assert_eq!(good.validate(), Ok(()));
         type Break = fn(&mut VertexHierarchy);
         let breaks: [(&str, Break); 8] = [

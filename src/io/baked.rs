@@ -22,7 +22,7 @@ use serde::de::DeserializeOwned;
 /// First bytes of a baked file. As in PNG: a byte that is no ASCII, the name, a line end and an end-of-text mark.
 const MAGIC: [u8; 8] = *b"\x89MRES\r\n\x1a";
 /// Version of the container and of the structures' layout; files of another version are refused.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Bytes of the kind's name.
 const KIND: usize = 16;
 /// Where length, checksum and payload start.
@@ -179,9 +179,11 @@ pub fn write_baked<T: Serialize>(path: impl AsRef<Path>, kind: &str, value: &T) 
 /// # Errors
 /// As [`unbake`], or what the system says.
 pub fn read_baked<T: DeserializeOwned>(path: impl AsRef<Path>, kind: &str) -> Result<T, BakeError> {
-    let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| BakeError::Io { path: path.to_owned(), source })?;
-    unbake(kind, &bytes)
+    unbake(kind, &read_bytes(path.as_ref())?)
+}
+
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, BakeError> {
+    std::fs::read(path).map_err(|source| BakeError::Io { path: path.to_owned(), source })
 }
 
 /// Bytes at a place that is known to exist.

@@ -14,6 +14,7 @@
 //! | `polygon.rs` | polygons to triangles |
 //! | `atomic.rs` | [`atomic`]: files that are whole or not there |
 //! | `baked.rs` | [`bake`] and [`unbake`]: any structure in a checked container |
+//! | `model.rs` | [`read_model`]: a baked model of whatever structure; [`Baked::read`](crate::Baked::read) where one knows |
 //! | `error.rs` | what can be wrong |
 //!
 //! No file makes a reader panic, run for long, or reserve more than a multiple of its own size: every count is compared
@@ -24,6 +25,7 @@ mod baked;
 mod draft;
 mod error;
 mod gltf;
+mod model;
 mod obj;
 mod off;
 mod ply;
@@ -36,6 +38,7 @@ use std::path::Path;
 
 pub use baked::{BakeError, VERSION as BAKED_VERSION, bake, baked_kind, read_baked, unbake, write_baked};
 pub use error::{Place, ReadError, WriteError};
+pub use model::{StoredModel, read_model, unbake_model};
 
 use crate::mesh::Mesh;
 

@@ -41,9 +41,10 @@ pub use report::Report;
 pub use tolerances::Tolerances;
 pub use topology::Topology;
 pub use vertices::Index;
-pub(crate) use vertices::check_folded;
+pub(crate) use vertices::{check_folded, folded};
 
 pub(crate) use blend::Blender;
+pub(crate) use gather::Used;
 
 use glam::Vec3A;
 
@@ -266,7 +267,12 @@ impl Mesh {
 
     /// Smallest and largest corner of the box around all vertices that a triangle uses; `None` without triangles.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
-        let mut used = self.indices().iter().map(|&v| Vec3A::from(self.positions[v as usize]));
+        self.box_of(self.indices())
+    }
+
+    /// The box around some vertices, which all exist.
+    pub(crate) fn box_of(&self, vertices: &[u32]) -> Option<[[f32; 3]; 2]> {
+        let mut used = vertices.iter().map(|&v| Vec3A::from(self.positions[v as usize]));
         let first = used.next()?;
         let (low, high) = used.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
         Some([low.into(), high.into()])

@@ -111,6 +111,21 @@ impl Mesh {
     }
 }
 
+/// Those of pairs of duplicates that nothing in the mesh tells apart, both used by triangles. Bit for bit: zeros of both signs are
+/// one place but different values. O(n).
+pub(crate) fn folded(mesh: &Mesh, duplicates: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
+    let mut used = vec![false; mesh.positions().len()];
+    mesh.indices().iter().for_each(|&v| used[v as usize] = true);
+    let position = |v: u32| mesh.positions()[v as usize].map(f32::to_bits);
+    let are_one = |&[a, b]: &[u32; 2]| {
+        used[a as usize]
+            && used[b as usize]
+            && position(a) == position(b)
+            && mesh.attributes().iter().all(|values| values.words(a) == values.words(b))
+    };
+    duplicates.filter(are_one).collect()
+}
+
 /// Whether values follow the mesh that they belong to: those of vertices that were `folded` into one because nothing told them
 /// apart must not differ.
 pub(crate) fn check_folded<V: NoUninit>(values: &[V], folded: &[[u32; 2]]) -> Result<(), MeshError> {

@@ -11,7 +11,7 @@
 
 use std::borrow::Cow;
 
-use crate::mesh::{Attribute, Blender, Mesh, NONE};
+use crate::mesh::{Attribute, Blender, Mesh, NONE, folded};
 
 use super::NormalsDone;
 use super::attribute_deviation::{AttributeDeviation, deviations};
@@ -130,19 +130,9 @@ impl CollapseSequence {
         &self.aliases
     }
 
-    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept, both used by triangles. Bit for bit:
-    /// zeros of both signs are one place but different values. O(n).
+    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept, both used by triangles. O(n).
     pub(crate) fn folded(&self, mesh: &Mesh) -> Vec<[u32; 2]> {
-        let mut used = vec![false; mesh.positions().len()];
-        mesh.indices().iter().for_each(|&v| used[v as usize] = true);
-        let position = |v: u32| mesh.positions()[v as usize].map(f32::to_bits);
-        let are_one = |&&[a, b]: &&[u32; 2]| {
-            used[a as usize]
-                && used[b as usize]
-                && position(a) == position(b)
-                && mesh.attributes().iter().all(|values| values.words(a) == values.words(b))
-        };
-        self.aliases.iter().filter(are_one).copied().collect()
+        folded(mesh, self.aliases.iter().copied())
     }
 
     /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the

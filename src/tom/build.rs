@@ -1,9 +1,6 @@
 //! From a collapse sequence to the total order: number vertices by reverse removal, sort triangles by when they vanish.
 
-use bytemuck::NoUninit;
-
-use crate::error::MeshError;
-use crate::mesh::{Attribute, AttributeValues, Mesh, NONE, check_folded};
+use crate::mesh::{Mesh, NONE};
 use crate::simplify::CollapseSequence;
 use crate::simplify::lineage::Lineage;
 
@@ -28,99 +25,14 @@ pub struct TomBuild {
     pub vertex_order: Vec<u32>,
     /// The input triangle at every place of the new order; degenerate ones are not among them.
     pub triangle_order: Vec<u32>,
-    /// Vertices of the input that take the position of another: the sequence's [snaps](CollapseSequence::snaps).
-    pub snaps: Vec<[u32; 2]>,
-    /// Duplicates that nothing in the mesh tells apart, as `[duplicate, kept]`: those of the sequence's
-    /// [aliases](CollapseSequence::aliases) whose values must be the same.
-    pub folded: Vec<[u32; 2]>,
-}
-
-impl TomBuild {
-    /// Values of the input's vertices, one each, in the new order. Only a prefix of them is ever drawn: see
-    /// [`TomBuild::vertex_order`]. Positions are better arranged by [`TomBuild::positions`], which closes cracks.
-    ///
-    /// # Errors
-    /// As many values as input vertices are needed. Vertices that nothing in the mesh told apart differ
-    /// ([`MeshError::Folded`]): a seam would be lost.
-    pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
-        self.check("values", values.len(), self.vertex_order.len())?;
-        check_folded(values, &self.folded)?;
-        self.arrange_any(values)
-    }
-
-    /// The same for values of any type, which cannot be compared: where the mesh told vertices at one position apart by less
-    /// than these values do, one of them stands for all.
-    ///
-    /// # Errors
-    /// As many values as input vertices are needed.
-    pub fn arrange_any<V: Clone>(&self, values: &[V]) -> Result<Vec<V>, TomError> {
-        self.check("values", values.len(), self.vertex_order.len())?;
-        Ok(self.vertex_order.iter().map(|&v| values[v as usize].clone()).collect())
-    }
-
-    /// Positions of the input's vertices in the new order, with cracks closed that the simplification has closed
-    /// ([`TomBuild::snaps`]).
-    ///
-    /// # Errors
-    /// As many positions as input vertices are needed.
-    pub fn positions(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, TomError> {
-        self.check("positions", positions.len(), self.vertex_order.len())?;
-        let to = |v: u32| match self.snaps.binary_search_by_key(&v, |snap| snap[0]) {
-            Ok(at) => self.snaps[at][1],
-            Err(_) => v,
-        };
-        Ok(self.vertex_order.iter().map(|&v| positions[to(v) as usize]).collect())
-    }
-
-    /// The input as a mesh in the new order: positions, attributes and locks of all vertices, and triangles and
-    /// materials of the full resolution.
-    ///
-    /// # Errors
-    /// The mesh has another number of vertices or triangles than the one that this was built from.
-    pub fn arrange_mesh(&self, mesh: &Mesh) -> Result<Mesh, TomError> {
-        let positions = self.positions(mesh.positions())?;
-        let least = self.triangle_order.iter().max().map_or(0, |&t| t as usize + 1);
-        if mesh.triangles().len() < least {
-            self.check("triangles", mesh.triangles().len(), least)?;
-        }
-        let locks = if mesh.locks().is_empty() { Vec::new() } else { self.arrange_any(mesh.locks())? };
-        let attributes = mesh.attributes().iter().map(|a| {
-            let (width, order) = (a.width(), &self.vertex_order);
-            let values = match a.values() {
-                AttributeValues::Float(v) => AttributeValues::Float(gather(v, width, order)),
-                AttributeValues::Int(v) => AttributeValues::Int(gather(v, width, order)),
-                AttributeValues::Uint(v) => AttributeValues::Uint(gather(v, width, order)),
-            };
-            Attribute::new(a.name(), width, values)
-        });
-        let materials = match mesh.materials() {
-            [] => Vec::new(),
-            ids => gather(ids, 1, &self.triangle_order),
-        };
-        Ok(Mesh::from_trusted(
-            positions,
-            self.tom.triangles.clone(),
-            attributes.collect(),
-            materials,
-            mesh.material_names().to_vec(),
-            locks,
-        )
-        .at_origin_of(mesh))
-    }
-
-    fn check(&self, what: &str, found: usize, expected: usize) -> Result<(), TomError> {
-        if found == expected {
-            return Ok(());
-        }
-        Err(MeshError::LengthMismatch { what: what.to_owned(), found, expected }.into())
-    }
 }
 
 impl TotallyOrderedMesh {
     /// Builds the structure from a mesh and a simplification of it by endpoint placement.
     ///
     /// Base vertices keep the input's order, as do the triangles that vanish in one step; degenerate triangles are left
-    /// out and duplicates folded. O((vertices + triangles) log vertices).
+    /// out and duplicates folded. O((vertices + triangles) log vertices). With its vertices, and where they come from:
+    /// [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
     ///
     /// # Errors
     /// The sequence makes new vertices, belongs to another mesh, or does not hold together.
@@ -169,13 +81,7 @@ impl TotallyOrderedMesh {
         tom.error_marks = error_marks(&lineage, sequence);
         debug_assert_eq!(tom.validate(), Ok(()));
         debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
-        Ok(TomBuild {
-            tom,
-            vertex_order: lineage.order,
-            triangle_order,
-            snaps: sequence.snaps().to_vec(),
-            folded: sequence.folded(mesh),
-        })
+        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order })
     }
 }
 
@@ -224,11 +130,4 @@ fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark>
         marks.push(ErrorMark { vertices: base as u32, error: 0.0 });
     }
     marks
-}
-
-fn gather<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
-    if width == 1 {
-        return order.iter().map(|&i| values[i as usize]).collect();
-    }
-    order.iter().flat_map(|&i| &values[i as usize * width..(i as usize + 1) * width]).copied().collect()
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::indices::Indices;
 use super::{MaterialRange, Resolution, TomSteps};
 
 /// Indices per bit of the dirty map, as a shift: 64 indices, 256 bytes.
@@ -34,10 +35,7 @@ pub struct Change {
 /// [`TomCursor::ranges`]. Triangles that come back need no upload, they are there.
 #[derive(Debug, Clone)]
 pub struct TomCursor {
-    steps: Arc<TomSteps>,
-    buffer: Vec<u32>,
-    ranges: Vec<MaterialRange>,
-    resolution: Resolution,
+    indices: Indices,
     dirty_map: Vec<u64>,
     dirty: Vec<Range<usize>>,
 }
@@ -45,55 +43,46 @@ pub struct TomCursor {
 impl TomCursor {
     /// A cursor at full resolution, all of it dirty.
     pub fn new(steps: Arc<TomSteps>) -> Self {
-        let tom = steps.tom();
-        let mut buffer = vec![0; 3 * tom.triangle_count()];
-        let mut ranges = steps.empty_ranges().to_vec();
-        for (t, corners) in tom.triangles().iter().enumerate() {
-            let place = 3 * steps.place(t as u32) as usize;
-            buffer[place..place + 3].copy_from_slice(corners);
-            ranges[steps.range_of(t as u32)].count += 3;
-        }
-        let bits = buffer.len().div_ceil(1 << DIRTY_SHIFT);
+        let indices = Indices::new(steps);
+        let bits = indices.buffer().len().div_ceil(1 << DIRTY_SHIFT);
         let mut dirty_map = vec![u64::MAX; bits.div_ceil(64)];
         if let (Some(last), used @ 1..) = (dirty_map.last_mut(), bits % 64) {
             *last = (1 << used) - 1;
         }
-        let resolution = tom.finest();
-        Self { steps, buffer, ranges, resolution, dirty_map, dirty: Vec::with_capacity(MOST_RANGES + 1) }
+        Self { indices, dirty_map, dirty: Vec::with_capacity(MOST_RANGES + 1) }
     }
 
     /// The mesh and the table this moves by.
     pub fn steps(&self) -> &Arc<TomSteps> {
-        &self.steps
+        self.indices.steps()
     }
 
     /// Where it is.
     pub fn resolution(&self) -> Resolution {
-        self.resolution
+        self.indices.resolution()
     }
 
     /// The indices to draw, equal to what [`fill_indices`](super::TotallyOrderedMesh::fill_indices) gives. With
     /// [`TomSteps::by_material`] the stretches of the materials have gaps between them: draw [`TomCursor::ranges`]
     /// instead.
     pub fn indices(&self) -> &[u32] {
-        let end = self.ranges.iter().map(|r| r.start + r.count).max().unwrap_or(0);
-        &self.buffer[..end as usize]
+        let end = self.ranges().iter().map(|r| r.start + r.count).max().unwrap_or(0);
+        &self.buffer()[..end as usize]
     }
 
     /// The whole buffer, undrawn triangles included: what the GPU's copy holds.
     pub fn buffer(&self) -> &[u32] {
-        &self.buffer
+        self.indices.buffer()
     }
 
     /// What to draw: one range of [`TomCursor::buffer`] per material, or a single one. Empty ones are included.
     pub fn ranges(&self) -> &[MaterialRange] {
-        &self.ranges
+        self.indices.ranges()
     }
 
     /// Bytes of this cursor's own arrays.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.buffer[..])
-            + size_of_val(&self.ranges[..])
+        self.indices.memory()
             + size_of_val(&self.dirty_map[..])
             + self.dirty.capacity() * size_of::<Range<usize>>()
     }
@@ -101,33 +90,11 @@ impl TomCursor {
     /// Moves to a resolution of this mesh. O(corners that the steps between rewrite), about 4 a vertex between, plus
     /// one walk as in [`at`](super::TotallyOrderedMesh::at).
     pub fn seek(&mut self, resolution: Resolution) -> Change {
-        let steps = Arc::clone(&self.steps);
-        let tom = steps.tom();
-        let from = self.resolution;
-        // Whole groups, whatever mesh the resolution was made for.
-        let to = tom.resolution(tom.boundary_at_most(tom.clamp(resolution).vertices));
-        let mut written = 0;
-
-        for vertex in from.vertices..to.vertices {
-            written += self.write(steps.moves(vertex), vertex);
-        }
-        let mut active = from.vertices;
-        while active > to.vertices {
-            let first = tom.boundary_at_most(active - 1);
-            for vertex in first..active {
-                written += self.write(steps.moves(vertex), tom.resolve(vertex, first));
-            }
-            active = first;
-        }
-
-        for triangle in from.triangles..to.triangles {
-            self.ranges[steps.range_of(triangle)].count += 3;
-        }
-        for triangle in to.triangles..from.triangles {
-            self.ranges[steps.range_of(triangle)].count -= 3;
-        }
-        self.resolution = to;
-        Change { from, to, written }
+        let Self { indices, dirty_map, .. } = self;
+        indices.seek(resolution, |place| {
+            let bit = place >> DIRTY_SHIFT;
+            dirty_map[(bit / 64) as usize] |= 1 << (bit % 64);
+        })
     }
 
     /// The ranges of [`TomCursor::buffer`] written since the last call, ascending, apart, at most 32: nearby ones are
@@ -155,19 +122,10 @@ impl TomCursor {
             gap *= 2;
         }
         for range in &mut self.dirty {
-            *range = range.start << DIRTY_SHIFT..(range.end << DIRTY_SHIFT).min(self.buffer.len());
+            *range = range.start << DIRTY_SHIFT..(range.end << DIRTY_SHIFT).min(self.indices.buffer().len());
         }
         self.dirty_map.fill(0);
         &self.dirty
-    }
-
-    fn write(&mut self, places: &[u32], vertex: u32) -> usize {
-        for &place in places {
-            self.buffer[place as usize] = vertex;
-            let bit = place >> DIRTY_SHIFT;
-            self.dirty_map[(bit / 64) as usize] |= 1 << (bit % 64);
-        }
-        places.len()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a totally ordered mesh could not be built, or its parts not be taken.
 
 use crate::error::MeshError;
-use crate::simplify::SequenceError;
+use crate::simplify::{OptionError, SequenceError};
 
 /// Why a [`TotallyOrderedMesh`](super::TotallyOrderedMesh) could not be built from a sequence or taken from parts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -91,4 +91,10 @@ pub enum TomError {
         /// How many are supported.
         limit: u64,
     },
+    /// An option of the simplification makes no sense.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// Whoever was told of the progress said to stop.
+    #[error("the build was cancelled")]
+    Cancelled,
 }

@@ -1,23 +1,8 @@
-//! The level of detail asked for, and the resolution that comes nearest to it.
+//! The resolution that comes nearest to the level of detail asked for.
+
+use crate::lod::Level;
 
 use super::TotallyOrderedMesh;
-
-/// A level of detail to ask for. What is given is the finest resolution that does not exceed it, and never less than the
-/// base.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Level {
-    /// At most so many triangles.
-    Triangles(usize),
-    /// At most so many active vertices.
-    Vertices(usize),
-    /// The coarsest resolution known to err by at most this many object units. Bounds are kept for about one
-    /// resolution in 128 ([`TotallyOrderedMesh::error_marks`]), so up to that many vertices more than needed are given.
-    /// Below the finest mark's bound, and for NaN, the full resolution.
-    Error(f32),
-    /// At most this share of the triangles, 0 to 1; NaN is 0.
-    Ratio(f32),
-}
 
 /// One resolution of a totally ordered mesh: whole groups of vertices, and the triangles they span.
 ///

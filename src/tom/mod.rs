@@ -12,7 +12,7 @@
 //!
 //! Vertices removed by one step are a *group* and come and go together, so that the wedges of a seam never part: the
 //! paper's degenerate triangles are not needed. The structure holds topology only. [`TotallyOrderedMesh::build`] hands
-//! out the order in which to put positions and whatever else belongs to a vertex ([`TomBuild::arrange`]).
+//! out the order in which to put positions and whatever else belongs to a vertex; [`Baked`](crate::lod::Baked) puts them.
 //!
 //! | file | idea |
 //! |---|---|
@@ -21,51 +21,54 @@
 //! | `extract.rs` | the indices of a resolution, whole or by material |
 //! | `geomorph.rs` | where vertices move between two resolutions |
 //! | `steps.rs` | [`TomSteps`]: the corners that every step rewrites |
-//! | `bundle.rs` | [`TomMesh`]: the structure with its vertices, as baked to a file |
-//! | `cursor.rs` | [`TomCursor`]: one drawn instance, moved for the cost of the difference |
+//! | `baked.rs` | the structure under the one face of all structures |
+//! | `instance.rs` | [`TomLod`]: one drawn instance that follows the view |
+//! | `indices.rs` | an index buffer, moved for the cost of the difference |
+//! | `cursor.rs` | [`TomCursor`]: such a buffer, moved by whoever holds it |
 //! | `validate.rs` | [`TomParts`] in and out, all promises checked |
 //!
 //! # Drawing
 //!
 //! ```
-//! # use multires::mesh::Mesh;
-//! # use multires::simplify::CollapseSequence;
-//! use multires::tom::{Level, TotallyOrderedMesh};
-//! # let mesh = Mesh::new(
-//! #     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
-//! #     [[0, 1, 2], [2, 1, 3]],
-//! # )?;
-//! # let sequence = CollapseSequence::from_substitutions(&mesh, [([[3, 1]], 0.5)])?;
-//! let built = TotallyOrderedMesh::build(&mesh, &sequence)?;
-//! let positions = built.arrange(mesh.positions())?; // upload once
-//! let tom = built.tom;
+//! use multires::lod::Structure;
+//! use multires::{Level, TotallyOrderedMesh, mesh::shapes};
 //!
+//! let mesh = shapes::rock(2_000, 1);
+//! let model = TotallyOrderedMesh::bake(&mesh)?;
+//! let positions = model.arrange(mesh.positions())?; // upload once
+//!
+//! let tom = model.structure();
 //! let resolution = tom.at(Level::Ratio(0.5));
 //! let mut indices = Vec::new();
 //! tom.fill_indices(resolution, &mut indices); // upload and draw
 //! assert_eq!(indices.len(), 3 * resolution.triangles());
-//! assert!(indices.iter().all(|&v| (v as usize) < resolution.vertices()));
-//! # assert_eq!(resolution.triangles(), 1);
-//! # assert_eq!(positions.len(), 4);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! assert!(indices.iter().all(|&v| (v as usize) < resolution.vertices() && resolution.vertices() <= positions.len()));
+//! # Ok::<(), multires::Error>(())
 //! ```
+//!
+//! Where the level follows a view, an instance finds it and moves its indices for the cost of the difference: [`TomLod`].
 
+mod baked;
 mod build;
-mod bundle;
 mod cursor;
 mod error;
 mod extract;
 mod geomorph;
+mod indices;
+mod instance;
 mod level;
 mod steps;
 mod validate;
 
+#[doc(no_inline)]
+pub use crate::lod::Level;
+pub use baked::{TomBuilder, TomOptions};
 pub use build::TomBuild;
-pub use bundle::TomMesh;
 pub use cursor::{Change, TomCursor};
 pub use error::TomError;
 pub use extract::MaterialRange;
-pub use level::{Level, Resolution};
+pub use instance::TomLod;
+pub use level::Resolution;
 pub use steps::TomSteps;
 pub use validate::TomParts;
 

@@ -9,6 +9,8 @@
 //! those are the right ones. So this table is all that moving needs, it is shared by all cursors of a mesh, and a cursor
 //! is little more than its index buffer.
 
+use std::sync::Arc;
+
 use crate::mesh::NONE;
 
 use super::{MaterialRange, TomError, TotallyOrderedMesh};
@@ -18,7 +20,7 @@ use super::{MaterialRange, TomError, TotallyOrderedMesh};
 /// [`TomCursor`]: super::TomCursor
 #[derive(Debug, Clone, PartialEq)]
 pub struct TomSteps {
-    tom: TotallyOrderedMesh,
+    tom: Arc<TotallyOrderedMesh>,
     /// Start of each vertex's moves, from the first vertex after the base; one more than those.
     move_start: Vec<u32>,
     /// Places in the index buffer.
@@ -34,8 +36,8 @@ impl TomSteps {
     ///
     /// # Errors
     /// The moves are more than 32 bits can number.
-    pub fn new(tom: TotallyOrderedMesh) -> Result<Self, TomError> {
-        Self::build(tom, false)
+    pub fn new(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
+        Self::build(tom.into(), false)
     }
 
     /// For cursors whose index buffer holds the triangles of each material in a stretch of its own, one drawing call
@@ -43,12 +45,12 @@ impl TomSteps {
     ///
     /// # Errors
     /// The moves are more than 32 bits can number.
-    pub fn by_material(tom: TotallyOrderedMesh) -> Result<Self, TomError> {
-        Self::build(tom, true)
+    pub fn by_material(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
+        Self::build(tom.into(), true)
     }
 
     /// The mesh.
-    pub fn tom(&self) -> &TotallyOrderedMesh {
+    pub fn tom(&self) -> &Arc<TotallyOrderedMesh> {
         &self.tom
     }
 
@@ -73,6 +75,11 @@ impl TomSteps {
         self.place.get(triangle as usize).copied().unwrap_or(triangle)
     }
 
+    /// Bytes of the table alone.
+    pub fn table_memory(&self) -> usize {
+        self.memory() - self.tom.memory(0)
+    }
+
     /// The range that a triangle belongs to.
     pub(super) fn range_of(&self, triangle: u32) -> usize {
         if self.empty_ranges.len() > 1 { self.tom.material_of[triangle as usize] as usize } else { 0 }
@@ -82,7 +89,7 @@ impl TomSteps {
         &self.empty_ranges
     }
 
-    fn build(tom: TotallyOrderedMesh, by_material: bool) -> Result<Self, TomError> {
+    fn build(tom: Arc<TotallyOrderedMesh>, by_material: bool) -> Result<Self, TomError> {
         let (place, empty_ranges) = layout(&tom, by_material);
         let group_first = group_firsts(&tom);
 

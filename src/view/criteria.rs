@@ -95,7 +95,7 @@ pub trait Criterion<B = Bounds> {
         if self.needs(bounds).refine { f64::INFINITY } else { 0.0 }
     }
 
-    /// Whether the refinement would be needed with tolerances multiplied by `factor` (1 or more): where it is, its
+    /// Whether the refinement would be needed with tolerances multiplied by `factor` (above 0): where it is, its
     /// [urgency](Self::urgency) is above the factor. Unless implemented, the answer holds once.
     fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
         Answer::once(self.urgency(bounds) > factor)

@@ -102,6 +102,25 @@ impl ObjectView {
         Self { reach: self.reach / factor, silhouette_reach: self.silhouette_reach / factor, ..self.clone() }
     }
 
+    /// The largest error that is not too large at a distance from the eye, object units: what to ask a level of detail for that
+    /// is chosen by hand ([`Level::Error`](crate::lod::Level::Error)). By an orthographic view the same at every distance.
+    ///
+    /// ```
+    /// use multires::view::{View, look_at};
+    ///
+    /// // 90 degrees over 1000 pixels: at 5 units 10 units are seen, so one pixel is a hundredth.
+    /// let matrix = look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]);
+    /// let view = View::perspective(matrix, 90_f32.to_radians(), [1000, 1000])?.with_tolerance_px(1.0);
+    /// assert!((view.of_world().error_at(5.0) - 0.01).abs() < 1e-6);
+    /// # Ok::<(), multires::view::ViewError>(())
+    /// ```
+    pub fn error_at(&self, distance: f64) -> f64 {
+        match self.eye {
+            Eye::At { .. } => distance.max(0.0) / self.reach,
+            Eye::Along { .. } => 1.0 / self.reach,
+        }
+    }
+
     /// The eye in object units; `None` for an orthographic view.
     pub fn eye(&self) -> Option<[f64; 3]> {
         match self.eye {

@@ -17,8 +17,11 @@
 //! at for some levels, where they could be the largest; still finer wavelets count by their own bounds. So a wavelet's
 //! bounds cost no more than its rim is long, and can be made anew one by one where something changed.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
+use crate::lod::Progress;
 use crate::mesh::NONE;
 use crate::view::{DeviationBounds, ErrorShape, angle_between};
 
@@ -228,29 +231,45 @@ fn room(diagonal: f64) -> f64 {
     f64::from_bits(diagonal.to_bits() & EXPONENT) * 2e-9
 }
 
-/// Bounds of every wavelet, from the finest to the coarsest. O(n x levels) at most.
-pub(super) fn bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
+/// Wavelets whose bounds are made between two calls of progress.
+const CHUNK: usize = 1 << 14;
+
+/// Bounds of every wavelet, from the finest to the coarsest; `None` where `progress` breaks. O(n x levels) at most.
+pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<WaveletBounds>> {
     let grounds = Grounds::new(mesh, true);
     let of = mesh.subdivision();
     let none = WaveletBounds { radius: 0.0, along: 0.0, across: 0.0, cone: [0; 4] };
     let mut all = vec![none; of.wavelet_count()];
+    let mut done = 0;
     for level in (1..=of.depth()).rev() {
         let wavelets = of.wavelets_of(level);
         let (coarser, finer) = all.split_at_mut(wavelets.end as usize);
-        let at = |wavelet: u32| finer[(wavelet - wavelets.end) as usize];
+        let at_finer = |wavelet: u32| finer[(wavelet - wavelets.end) as usize];
         let level = &mut coarser[wavelets.start as usize..];
-        let find = |(at_level, packed): (usize, &mut WaveletBounds)| {
-            *packed = grounds.bounds(wavelets.start + at_level as u32, at);
-        };
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            level.par_iter_mut().enumerate().for_each(find);
+        for (chunk, first) in level.chunks_mut(CHUNK).zip((wavelets.start..).step_by(CHUNK)) {
+            let find = |(at, packed): (usize, &mut WaveletBounds)| {
+                *packed = grounds.bounds(first + at as u32, at_finer);
+            };
+            #[cfg(feature = "parallel")]
+            {
+                use rayon::prelude::*;
+                chunk.par_iter_mut().enumerate().for_each(find);
+            }
+            #[cfg(not(feature = "parallel"))]
+            chunk.iter_mut().enumerate().for_each(find);
+            done += chunk.len();
+            if progress(done as f32 / of.wavelet_count() as f32).is_break() {
+                return None;
+            }
         }
-        #[cfg(not(feature = "parallel"))]
-        level.iter_mut().enumerate().for_each(find);
     }
-    all
+    Some(all)
+}
+
+/// The same, whole.
+pub(super) fn all_bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
+    // Nobody breaks.
+    bounds(mesh, &mut |_| ControlFlow::Continue(())).unwrap_or_default()
 }
 
 /// Makes anew the bounds of the wavelets whose supports hold any of these faces, of any level; they are the same as if all were.
@@ -259,7 +278,7 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     let of = mesh.subdivision();
     if room(diagonal) != room(mesh.diagonal()) {
         let all = (0..of.wavelet_count() as u32).collect();
-        mesh.bounds = bounds(mesh);
+        mesh.bounds = all_bounds(mesh);
         return all;
     }
     let mut all = std::mem::take(&mut mesh.bounds);

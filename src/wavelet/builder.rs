@@ -1,5 +1,8 @@
 //! A wavelet mesh from a base mesh: level by level, by a function that says where new vertices go, and which faces are split.
 
+use std::ops::ControlFlow;
+
+use crate::lod::{Baked, Mixture, Origins, Progress};
 use crate::mesh::{Mesh, Topology};
 
 use super::build::SubdivisionBuilder;
@@ -27,9 +30,14 @@ pub struct Face {
     pub level: usize,
     /// The triangle of the base mesh that it is a part of.
     pub base_face: u32,
-    /// Its corners, object units.
+    /// Its corners, vertices of the mesh under construction.
+    pub vertices: [u32; 3],
+    /// Where they are, object units.
     pub corners: [[f32; 3]; 3],
 }
+
+/// Vertices that are none of the base's, with their ends.
+type Ends = Vec<(u32, [u32; 2])>;
 
 /// Subdivides a base mesh. Attributes of new vertices are in the middle of their ends'.
 ///
@@ -95,8 +103,8 @@ impl WaveletBuilder {
         let level = of.depth();
         let at = |vertex: u32| self.positions[vertex as usize];
         let faces = self.builder.last_level().map(|face| {
-            let corners = of.corners(face).map(at);
-            split(&Face { level, base_face: of.base_face_of(face), corners })
+            let vertices = of.corners(face);
+            split(&Face { level, base_face: of.base_face_of(face), vertices, corners: vertices.map(at) })
         });
         let faces = faces.collect();
         let before = of.wavelet_count() as u32;
@@ -122,6 +130,37 @@ impl WaveletBuilder {
     /// # Errors
     /// Too many materials.
     pub fn build(self, options: &WaveletOptions) -> Result<WaveletMesh, WaveletError> {
+        Ok(self.finish(options, &mut |_| ControlFlow::Continue(()))?.0)
+    }
+
+    /// The mesh as a baked model: values of the base mesh's vertices are arranged by [`Baked::arrange_blended`]. `progress` is
+    /// told how far it is, 0 to 1, and may break.
+    ///
+    /// # Errors
+    /// Too many materials, or `progress` breaks.
+    pub fn bake_with(
+        self,
+        options: &WaveletOptions,
+        mut progress: impl FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Baked<WaveletMesh>, WaveletError> {
+        let input = self.base.positions().len();
+        let (mesh, ends) = self.finish(options, &mut progress)?;
+        let of = mesh.subdivision();
+        let mut order: Vec<u32> = (0..of.vertex_count() as u32).collect();
+        let mut mixtures = Vec::with_capacity(ends.len());
+        for (vertex, ends) in ends {
+            order[vertex as usize] = (input + mixtures.len()) as u32;
+            mixtures.push(Mixture { from: ends.map(|end| order[end as usize]), weight: 0.5 });
+        }
+        Ok(Baked::new(mesh, None, Origins::new(input, order, mixtures)))
+    }
+
+    /// The mesh, and all vertices that are none of the base's with their ends, those first that are ends of others.
+    fn finish(
+        self,
+        options: &WaveletOptions,
+        progress: Progress<'_>,
+    ) -> Result<(WaveletMesh, Ends), WaveletError> {
         let Self { builder, base, mut positions } = self;
         // Sides of a seam have vertices of their own: told apart by the vertices at their ends.
         let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
@@ -141,7 +180,8 @@ impl WaveletBuilder {
             false => base.gather(&order, Vec::new(), Vec::new()),
         };
         let vertices = vertices.with_midpoints(ends.iter().copied()).with_positions(positions);
-        WaveletMesh::assemble(subdivision, vertices, base.materials(), options)
+        let mesh = WaveletMesh::assemble(subdivision, vertices, base.materials(), options, progress)?;
+        Ok((mesh, ends))
     }
 }
 

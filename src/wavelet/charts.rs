@@ -2,7 +2,7 @@
 
 use crate::mesh::{Attribute, Mesh, names};
 
-use super::bounds::bounds;
+use super::bounds::all_bounds;
 use super::build::Part;
 use super::{Atlas, Subdivision, WaveletError, WaveletMesh};
 
@@ -123,7 +123,7 @@ impl WaveletMesh {
         mesh.measure();
         // They stay, unless vertices that no face used were out of the way, or coordinates were torn inside base faces.
         if mesh.diagonal.to_bits() != self.diagonal.to_bits() || mesh.subdivision.torn != of.torn {
-            mesh.bounds = bounds(&mesh);
+            mesh.bounds = all_bounds(&mesh);
         }
         Ok(mesh)
     }

@@ -67,4 +67,7 @@ pub enum WaveletError {
     /// The mesh that comes out, or went in, is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Whoever was told of the progress said to stop.
+    #[error("the build was cancelled")]
+    Cancelled,
 }

@@ -2,46 +2,34 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Blend, Change, Cut, DirtyRanges, LevelOfDetail, LodOptions, Pace, Picture};
-use crate::error::MeshError;
-use crate::mesh::Mesh;
+use crate::adapt::{Change, Cut, DirtyRanges, Picture};
+use crate::lod::{
+    Draws, Driver, Everything, Lod, LodError, LodOptions, Triangulation, Uploads, Values, Vertex,
+    VertexBuffer,
+};
+use crate::mesh::{Mesh, NONE};
 use crate::view::{Criterion, DeviationBounds, Motion, ObjectView};
 
-#[cfg(doc)]
-use super::Triangulation;
 use super::surface::Surface;
 use super::tally::Tally;
 use super::vertices::Vertices;
-use super::{DetailFrame, Drawing, Edited, Normals, WaveletError, WaveletMesh};
+use super::{DetailFrame, Edited, Normals, WaveletError, WaveletMesh};
 
-/// One drawn instance, with the values of its vertices. Many share one mesh and its values; each is independent, and may
-/// move to another thread.
+/// One drawn instance of a [`WaveletMesh`], with the values of its vertices.
 ///
-/// ```text
-///     every frame   adapt(views)  ->  upload what is dirty of values() and triangles()  ->  clean()
-/// ```
+/// Vertices that are there only because a neighbouring wavelet splits a face lie on the surface, in the middle of their ends, so
+/// values change even where nothing morphs, and instances must know how two are mixed ([`Values::with_blending`]); with
+/// [`Triangulation::Minimal`] there are none such. Normals between two others come out a little short.
 ///
-/// Starts at the base mesh, all of it dirty. Vertices that are there only because a neighbouring wavelet splits a face lie on the
-/// surface, in the middle of their ends, so values change even where nothing morphs; with
-/// [`Triangulation::Minimal`] there are none such. Values may be of any type with [`Blend`]; normals between two
-/// others come out a little short.
-///
-/// With [`Drawing::geomorph`] coefficients grow and shrink (Azuma et al., equation 6): transitions may overlap in space and
+/// With [`LodOptions::geomorph`] coefficients grow and shrink (Azuma et al., equation 6): transitions may overlap in space and
 /// time and turn round where they are; what [no view sees](Criterion::sees) changes at once.
 #[derive(Debug, Clone)]
 pub struct WaveletLod<V> {
     mesh: Arc<WaveletMesh>,
-    cut: Cut,
+    driver: Driver,
     shown: Shown<V>,
-    views: Vec<ObjectView>,
-    options: LodOptions,
-    drawing: Drawing,
-    /// `None` where what is asked for is drawn at once.
-    pace: Option<Box<Pace>>,
     /// What the cut has, where triangles are limited.
     asked: Option<Box<Tally>>,
-    /// Whether no answer of the cut holds any more.
-    forgets: bool,
 }
 
 /// What is drawn.
@@ -51,12 +39,13 @@ struct Shown<V> {
     vertices: Vertices<V>,
 }
 
-impl<V: Blend + Copy> Shown<V> {
-    fn new(mesh: &WaveletMesh, values: Arc<[V]>, drawing: &Drawing) -> Self {
+impl<V: Vertex> Shown<V> {
+    fn new(mesh: &WaveletMesh, values: Values<V>, options: &LodOptions) -> Self {
         let of = mesh.subdivision();
+        let packed = options.buffer == VertexBuffer::Packed;
         let mut shown = Self {
-            surface: Surface::new(of, drawing.triangulation, mesh.groups()),
-            vertices: Vertices::new(of, values, drawing.packed, drawing.geomorph.is_some()),
+            surface: Surface::new(of, options.triangulation, mesh.groups()),
+            vertices: Vertices::new(of, values, packed, options.geomorph.is_some()),
         };
         shown.write(mesh);
         shown
@@ -80,7 +69,11 @@ struct Drawn<'a, V> {
     shown: &'a mut Shown<V>,
 }
 
-impl<V: Blend + Copy> Picture for Drawn<'_, V> {
+impl<V: Vertex> Picture for Drawn<'_, V> {
+    fn triangles(&self) -> usize {
+        self.shown.surface.triangle_count()
+    }
+
     fn cost(&self, wavelet: u32) -> usize {
         let comes = !self.shown.vertices.is_set(wavelet);
         self.shown.surface.tally().cost(self.mesh.subdivision(), wavelet, comes)
@@ -111,30 +104,75 @@ impl<V: Blend + Copy> Picture for Drawn<'_, V> {
     }
 }
 
-impl<V: Blend + Copy> WaveletLod<V> {
+/// Whether values can be mixed where options ask for that.
+fn check<V>(values: &Values<V>, options: &LodOptions) -> Result<(), LodError> {
+    let what = match options {
+        LodOptions { geomorph: Some(_), .. } => "a geomorph",
+        LodOptions { triangulation: Triangulation::Exact, .. } => "the exact triangulation of a wavelet mesh",
+        _ => return Ok(()),
+    };
+    if values.can_blend() { Ok(()) } else { Err(LodError::NeedsBlending { what }) }
+}
+
+impl<V: Vertex> WaveletLod<V> {
     /// An instance. `values` are those of the mesh's vertices, each at its own place, as
     /// [`WaveletMesh::vertices`] has them; shared by instances.
     ///
     /// # Errors
-    /// As many values as vertices are needed.
-    pub fn new(mesh: Arc<WaveletMesh>, values: Arc<[V]>, drawing: &Drawing) -> Result<Self, MeshError> {
+    /// There are not as many values as vertices, or they would have to be mixed and cannot be.
+    pub fn new(
+        mesh: Arc<WaveletMesh>,
+        values: impl Into<Values<V>>,
+        options: &LodOptions,
+    ) -> Result<Self, LodError> {
+        let values = values.into();
         let (found, expected) = (values.len(), mesh.subdivision().vertex_count());
         if found != expected {
-            return Err(MeshError::LengthMismatch { what: "values".to_owned(), found, expected });
+            return Err(LodError::Length { found, expected });
         }
-        let mut lod = Self {
-            cut: Cut::new(mesh.subdivision().wavelet_count(), mesh.diagonal(), false),
-            shown: Shown::new(&mesh, values, drawing),
-            views: Vec::new(),
-            options: LodOptions::default(),
-            drawing: *drawing,
-            pace: None,
-            asked: None,
-            forgets: false,
-            mesh,
-        };
-        lod.set_options(LodOptions::default());
+        check(&values, options)?;
+        let cut = Cut::new(mesh.subdivision().wavelet_count(), mesh.diagonal(), false);
+        let shown = Shown::new(&mesh, values, options);
+        let mut lod = Self { driver: Driver::new(cut), shown, asked: None, mesh };
+        lod.apply(options);
         Ok(lod)
+    }
+
+    /// Takes options that ask for nothing but what is drawn already.
+    fn apply(&mut self, options: &LodOptions) {
+        let Self { mesh, driver, shown, asked, .. } = self;
+        let of = mesh.subdivision();
+        driver.set_options(&**mesh, options, &mut Drawn { mesh, shown }, |cut| {
+            let mut triangles = 0;
+            *asked = options.triangles.map(|_| {
+                let mut tally = Tally::new(of, options.triangulation);
+                triangles = of.base_face_count();
+                for wavelet in (0..of.wavelet_count() as u32).filter(|&wavelet| cut.holds(wavelet)) {
+                    triangles += tally.change(of, wavelet, true, &mut ());
+                }
+                Box::new(tally)
+            });
+            triangles
+        });
+        if options.triangles.is_none() {
+            self.asked = None;
+        }
+        self.shown.write(&self.mesh);
+    }
+
+    /// Makes triangles and vertices anew for other options. What was asked for is drawn, every vertex at its place.
+    fn rebuild(&mut self, options: &LodOptions) {
+        self.settle();
+        let values = self.shown.vertices.values_at_rest().clone();
+        let mut shown = Shown::new(&self.mesh, values, options);
+        let wavelets = 0..self.mesh.subdivision().wavelet_count() as u32;
+        for wavelet in wavelets.filter(|&wavelet| self.shown.vertices.is_set(wavelet)) {
+            shown.change(&self.mesh, wavelet, true);
+        }
+        shown.write(&self.mesh);
+        shown.surface.invalidate();
+        shown.vertices.invalidate();
+        self.shown = shown;
     }
 
     /// Edits the mesh ([`WaveletMesh::edit`]) and draws it as it is then; `value` gives vertices that are elsewhere their new values.
@@ -153,7 +191,7 @@ impl<V: Blend + Copy> WaveletLod<V> {
         mut value: impl FnMut(&WaveletMesh, u32) -> V,
     ) -> Result<Edited, WaveletError> {
         let edited = Arc::make_mut(&mut self.mesh).edit(level, moves, frame)?;
-        let values = Arc::make_mut(self.shown.vertices.own_values());
+        let values = Arc::make_mut(self.shown.vertices.own_values().shared_mut());
         for &vertex in &edited.vertices {
             values[vertex as usize] = value(&self.mesh, vertex);
         }
@@ -172,9 +210,10 @@ impl<V: Blend + Copy> WaveletLod<V> {
     pub fn replace(
         &mut self,
         mesh: Arc<WaveletMesh>,
-        values: Arc<[V]>,
+        values: impl Into<Arc<[V]>>,
         changed: &[u32],
     ) -> Result<(), WaveletError> {
+        let values = values.into();
         if !Arc::ptr_eq(&mesh, &self.mesh) && !mesh.is_like(&self.mesh) {
             return Err(WaveletError::Invalid { what: "another connectivity or other materials", at: 0 });
         }
@@ -186,7 +225,7 @@ impl<V: Blend + Copy> WaveletLod<V> {
             return Err(WaveletError::Invalid { what: "there is no such vertex", at: vertex as usize });
         }
         self.mesh = mesh;
-        *self.shown.vertices.own_values() = values;
+        *self.shown.vertices.own_values().shared_mut() = values;
         self.revalue(changed);
         Ok(())
     }
@@ -196,68 +235,12 @@ impl<V: Blend + Copy> WaveletLod<V> {
         let Shown { surface, vertices } = &mut self.shown;
         vertices.revalue(self.mesh.subdivision(), surface, changed);
         self.shown.write(&self.mesh);
-        self.forgets = true;
+        self.driver.forget();
     }
 
     /// The values of vertices at their own places, drawn or not.
-    pub fn own_values(&self) -> &Arc<[V]> {
+    pub fn own_values(&self) -> &Values<V> {
         self.shown.vertices.values_at_rest()
-    }
-
-    /// With these limits.
-    #[must_use]
-    pub fn with_options(mut self, options: LodOptions) -> Self {
-        self.set_options(options);
-        self
-    }
-
-    /// Sets the limits for calls to come. Where they are lifted, what is still to come is drawn at once; where triangles are
-    /// fewer than drawn, what is too much goes in the next call, whatever the number of operations.
-    pub fn set_options(&mut self, options: LodOptions) {
-        self.forgets |= options.triangles != self.options.triangles;
-        self.options = options;
-        let Self { mesh, cut, shown, pace, asked, .. } = self;
-        let of = mesh.subdivision();
-        if options == LodOptions::default() && self.drawing.geomorph.is_none() {
-            *asked = None;
-            if pace.is_some() {
-                self.settle();
-                self.pace = None;
-            }
-            return;
-        }
-        let moves = self.drawing.geomorph.is_some();
-        let pace = pace
-            .get_or_insert_with(|| Box::new(Pace::new(&**mesh, cut, shown.surface.triangle_count(), moves)));
-        let mut triangles = 0;
-        *asked = options.triangles.map(|_| {
-            let mut tally = Tally::new(of, self.drawing.triangulation);
-            triangles = of.base_face_count();
-            for wavelet in (0..of.wavelet_count() as u32).filter(|&wavelet| cut.holds(wavelet)) {
-                triangles += tally.change(of, wavelet, true, &mut ());
-            }
-            Box::new(tally)
-        });
-        pace.set(&options, triangles);
-    }
-
-    /// The limits.
-    pub fn options(&self) -> &LodOptions {
-        &self.options
-    }
-
-    /// How it is drawn.
-    pub fn drawing(&self) -> &Drawing {
-        &self.drawing
-    }
-
-    /// Draws all that the last view asked for, every vertex at its place: after a cut to another camera, say.
-    pub fn settle(&mut self) {
-        let Self { mesh, shown, pace, .. } = self;
-        if let Some(pace) = pace {
-            pace.settle(&**mesh, &mut Drawn { mesh, shown });
-        }
-        self.shown.write(&self.mesh);
     }
 
     /// The structure.
@@ -265,9 +248,9 @@ impl<V: Blend + Copy> WaveletLod<V> {
         &self.mesh
     }
 
-    /// Which wavelets the last view asked for, within the budget of triangles.
+    /// Which wavelets the last view asked for, within the limit of triangles.
     pub fn cut(&self) -> &Cut {
-        &self.cut
+        self.driver.cut()
     }
 
     /// Whether a wavelet is drawn, be it on its way.
@@ -303,8 +286,8 @@ impl<V: Blend + Copy> WaveletLod<V> {
     }
 
     /// What is drawn as a mesh of its own, all vertices where they come to rest: the same mesh for the same cut. O(n).
-    pub fn to_mesh(&self, normals: Normals) -> Mesh {
-        self.mesh.extract(|wavelet| self.shows(wavelet), self.drawing.triangulation, normals)
+    pub fn to_mesh_with(&self, normals: Normals) -> Mesh {
+        self.mesh.extract(|wavelet| self.shows(wavelet), self.driver.options().triangulation, normals)
     }
 
     /// Moves the cut to what a criterion of your own needs, `seconds` after the last call. `motion` is what has happened to the
@@ -315,67 +298,89 @@ impl<V: Blend + Copy> WaveletLod<V> {
         motion: Motion,
         seconds: f32,
     ) -> Change {
-        self.views.clear();
-        self.update(criterion, motion, seconds)
+        let diagonal = self.mesh.diagonal();
+        self.drive(|driver, mesh, picture, cost| {
+            driver.adapt_by(mesh, (criterion, motion, seconds, diagonal), picture, cost)
+        })
     }
 
-    fn update<C: Criterion<DeviationBounds> + ?Sized>(
+    /// Lets the driver move what is drawn.
+    fn drive(
         &mut self,
-        criterion: &C,
-        motion: Motion,
-        seconds: f32,
+        go: impl FnOnce(
+            &mut Driver,
+            &WaveletMesh,
+            &mut Drawn<'_, V>,
+            &mut dyn FnMut(u32, bool) -> usize,
+        ) -> Change,
     ) -> Change {
-        let progress = match &self.drawing.geomorph {
-            Some(geomorph) => geomorph.progress(seconds, motion, self.mesh.diagonal()),
-            None => 1.0,
+        let Self { mesh, driver, shown, asked } = self;
+        let mut cost = |wavelet: u32, comes: bool| {
+            let tally = asked.as_mut();
+            tally.map_or(0, |tally| tally.change(mesh.subdivision(), wavelet, comes, &mut ()))
         };
-        let motion = if std::mem::take(&mut self.forgets) { Motion::Other } else { motion };
-        let Self { mesh, cut, shown, pace, asked, .. } = self;
-        let mut change = match pace {
-            None => {
-                let cut = cut.update(&**mesh, criterion, motion, |_, wavelet, comes| {
-                    shown.change(mesh, wavelet, comes);
-                });
-                Change { cut, ..Change::default() }
-            }
-            Some(pace) => {
-                let cost = |wavelet: u32, comes: bool| {
-                    let tally = asked.as_mut();
-                    tally.map_or(0, |tally| tally.change(mesh.subdivision(), wavelet, comes, &mut ()))
-                };
-                pace.update((&**mesh, cut), &mut Drawn { mesh, shown }, criterion, motion, progress, cost)
-            }
-        };
+        let mut change = go(driver, mesh, &mut Drawn { mesh, shown }, &mut cost);
         shown.write(mesh);
         change.triangles = shown.surface.triangle_count();
         change
     }
-
-    /// Bytes of this instance, what it shares with others not counted.
-    pub fn memory(&self) -> usize {
-        self.cut.memory()
-            + self.shown.surface.memory()
-            + self.shown.vertices.memory()
-            + self.pace.as_ref().map_or(0, |pace| pace.memory())
-            + self.asked.as_ref().map_or(0, |asked| asked.memory())
-    }
 }
 
-impl<V: Blend + Copy> LevelOfDetail for WaveletLod<V> {
-    fn adapt(&mut self, views: &[ObjectView]) -> Change {
-        self.adapt_in(views, 1.0 / 60.0)
+impl<V: Vertex> Lod for WaveletLod<V> {
+    fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        let diagonal = self.mesh.diagonal();
+        self.drive(|driver, mesh, picture, cost| {
+            driver.adapt(mesh, (views, seconds, diagonal), picture, cost)
+        })
     }
 
-    fn adapt_in(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        let motion = if self.views.is_empty() { Motion::Other } else { motion(views, &self.views) };
-        let change = self.update(views, motion, seconds);
-        self.views.clear();
-        self.views.extend_from_slice(views);
-        change
+    fn refine_fully(&mut self) -> Change {
+        self.adapt_by(&Everything, Motion::Other, f32::INFINITY)
+    }
+
+    fn settle(&mut self) {
+        let Self { mesh, driver, shown, .. } = self;
+        driver.settle(&**mesh, &mut Drawn { mesh, shown });
+        self.shown.write(&self.mesh);
+    }
+
+    fn options(&self) -> &LodOptions {
+        self.driver.options()
+    }
+
+    fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
+        check(self.own_values(), options)?;
+        let before = *self.driver.options();
+        let packed = |options: &LodOptions| options.buffer == VertexBuffer::Packed;
+        if packed(options) != packed(&before)
+            || options.triangulation != before.triangulation
+            || options.geomorph.is_some() != before.geomorph.is_some()
+        {
+            self.rebuild(options);
+        }
+        self.apply(options);
+        Ok(())
+    }
+
+    fn tolerance_factor(&self) -> f32 {
+        self.driver.tolerance_factor()
+    }
+
+    fn set_tolerance_factor(&mut self, factor: f32) {
+        self.driver.set_tolerance_factor(factor);
+    }
+
+    fn refinements(&self) -> usize {
+        let wavelets = 0..self.mesh.subdivision().wavelet_count() as u32;
+        wavelets.filter(|&wavelet| self.cut().holds(wavelet)).count()
     }
 
     fn groups(&self) -> usize {
         self.shown.surface.groups()
+    }
+
+    fn material(&self, group: usize) -> u32 {
+        self.mesh.materials().get(group).copied().unwrap_or(NONE)
     }
 
     fn triangles(&self, group: usize) -> &[[u32; 3]] {
@@ -386,21 +391,53 @@ impl<V: Blend + Copy> LevelOfDetail for WaveletLod<V> {
         self.shown.vertices.vertices()
     }
 
+    fn vertex_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(self.shown.vertices.drawn())
+    }
+
+    fn vertex_size(&self) -> usize {
+        size_of::<V>()
+    }
+
+    /// Never: values change with what is beside them.
+    fn shares_vertices(&self) -> bool {
+        false
+    }
+
     fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
         self.shown.surface.dirty(group, gap)
     }
 
-    /// Of [`WaveletLod::values`], packed or not.
     fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
         self.shown.vertices.dirty(gap)
+    }
+
+    fn uploads(&self) -> Uploads<'_> {
+        Uploads::new(self)
+    }
+
+    fn draws(&self) -> Draws<'_> {
+        Draws::new(self)
     }
 
     fn clean(&mut self) {
         self.shown.surface.clean();
         self.shown.vertices.clean();
     }
-}
 
-fn motion(now: &[ObjectView], before: &[ObjectView]) -> Motion {
-    Criterion::<DeviationBounds>::motion(now, before)
+    fn invalidate(&mut self) {
+        self.shown.surface.invalidate();
+        self.shown.vertices.invalidate();
+    }
+
+    fn to_mesh(&self) -> Mesh {
+        self.to_mesh_with(Normals::Kept)
+    }
+
+    fn memory(&self) -> usize {
+        self.driver.memory()
+            + self.shown.surface.memory()
+            + self.shown.vertices.memory()
+            + self.asked.as_ref().map_or(0, |asked| asked.memory())
+    }
 }

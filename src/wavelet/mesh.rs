@@ -1,7 +1,10 @@
 //! A mesh as base faces and wavelets, with its vertices: what is baked, shared by instances, edited and taken apart.
 
+use std::ops::ControlFlow;
+
 use crate::adapt::Refinements;
-use crate::mesh::{Mesh, NONE, Topology};
+use crate::lod::Progress;
+use crate::mesh::{Mesh, NONE, Topology, Used};
 use crate::view::DeviationBounds;
 
 use super::bounds::{WaveletBounds, bounds};
@@ -10,6 +13,9 @@ use super::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
 use super::surface::Surface;
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
+
+/// Share of a build's time that finding the connectivity takes.
+const RECOGNITION: f32 = 0.25;
 
 /// Most different materials: a group's number is 16 bits.
 pub(super) const MOST_MATERIALS: usize = 1 << 16;
@@ -41,9 +47,6 @@ pub struct WaveletMesh {
 }
 
 impl WaveletMesh {
-    /// The kind that this is baked as.
-    pub const KIND: &'static str = "wavelet";
-
     /// A mesh that is a four-to-one subdivision of a coarser one, if not everywhere then in some of its components. The coarsest
     /// such mesh is found; borders of materials may only run along its edges. Attribute seams too where that is all the same;
     /// where they run inside its faces, these are drawn split wherever they are in view, so that nothing is smeared across. O(n x
@@ -52,18 +55,35 @@ impl WaveletMesh {
     /// # Errors
     /// No component is such a subdivision: [`WaveletError::NoConnectivity`] says why. Or too many faces or materials.
     pub fn recognise(mesh: &Mesh, options: &WaveletOptions) -> Result<Self, WaveletError> {
+        Ok(Self::recognise_with(mesh, options, &mut |_| ControlFlow::Continue(()))?.0)
+    }
+
+    /// The same, and the input's vertex for each of its own.
+    pub(super) fn recognise_with(
+        mesh: &Mesh,
+        options: &WaveletOptions,
+        progress: Progress<'_>,
+    ) -> Result<(Self, Vec<u32>), WaveletError> {
+        let mut stage = |share: f32| match progress(share) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(WaveletError::Cancelled),
+        };
+        stage(0.0)?;
         let found = recognise_across_seams(mesh);
         if found.quadrisection.levels() == 0 {
             return Err(WaveletError::NoConnectivity { reason: refusal(&found.components) });
         }
-        Self::of_quadrisection(mesh, &found.quadrisection, options)
+        stage(RECOGNITION)?;
+        let mut rest = |share: f32| progress(RECOGNITION + (1.0 - RECOGNITION) * share);
+        Self::of_quadrisection(mesh, &found.quadrisection, options, &mut rest)
     }
 
     fn of_quadrisection(
         mesh: &Mesh,
         found: &Quadrisection,
         options: &WaveletOptions,
-    ) -> Result<Self, WaveletError> {
+        progress: Progress<'_>,
+    ) -> Result<(Self, Vec<u32>), WaveletError> {
         let topology = Topology::new(mesh);
         let input = mesh.triangles().as_flattened();
         let base_count = found.base_faces();
@@ -153,7 +173,7 @@ impl WaveletMesh {
         };
         let materials: Vec<u32> = (0..base_count).filter_map(material).collect();
         let vertices = mesh.gather(&order, Vec::new(), Vec::new());
-        Self::assemble(subdivision, vertices, &materials, options)
+        Ok((Self::assemble(subdivision, vertices, &materials, options, progress)?, order))
     }
 
     /// From parts that fit: `materials` are ids of the base faces, or none.
@@ -162,6 +182,7 @@ impl WaveletMesh {
         vertices: Mesh,
         materials: &[u32],
         options: &WaveletOptions,
+        progress: Progress<'_>,
     ) -> Result<Self, WaveletError> {
         let mut ids = materials.to_vec();
         ids.sort_unstable();
@@ -183,7 +204,7 @@ impl WaveletMesh {
             extent: None,
         };
         mesh.measure();
-        mesh.bounds = bounds(&mesh);
+        mesh.bounds = bounds(&mesh, progress).ok_or(WaveletError::Cancelled)?;
         Ok(mesh)
     }
 
@@ -314,17 +335,13 @@ impl WaveletMesh {
             drawn.extend(triangles.map(|(face, &triangle)| (face, group, triangle)));
         }
         drawn.sort_by_key(|&(face, ..)| face);
-        let mut number = vec![NONE; of.vertex_count()];
-        drawn.iter().for_each(|(.., t)| t.iter().for_each(|&v| number[v as usize] = 0));
-        let used: Vec<u32> = (0..number.len() as u32).filter(|&v| number[v as usize] == 0).collect();
-        for (new, &old) in used.iter().enumerate() {
-            number[old as usize] = new as u32;
-        }
+        let triangles: Vec<[u32; 3]> = drawn.iter().map(|&(.., triangle)| triangle).collect();
+        let Used { vertices: used, number } = Used::new(of.vertex_count(), &triangles);
         let materials = match self.materials.is_empty() {
             true => Vec::new(),
             false => drawn.iter().map(|&(_, group, _)| self.materials[group]).collect(),
         };
-        let triangles = drawn.iter().map(|(.., t)| t.map(|v| number[v as usize])).collect();
+        let triangles = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
         let mesh = self.settle(&set, &number, self.vertices.gather(&used, triangles, materials), &used);
         if normals == Normals::Recomputed { mesh.with_smooth_normals() } else { mesh }
     }

@@ -10,6 +10,7 @@
 //! | `quadrisection.rs`, `recognise/` | finding the coarsest mesh that a mesh is a subdivision of |
 //! | `subdivision.rs` | [`Subdivision`]: faces, wavelets, parents and children, most of it arithmetic |
 //! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
+//! | `heights.rs` | terrain from a grid of heights of any size |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
 //! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
@@ -23,9 +24,11 @@
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
 //! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
-//! | `options.rs` | [`WaveletOptions`], [`Drawing`] and what they choose from |
+//! | `baked.rs` | a wavelet mesh under the one face of all structures |
+//! | `options.rs` | [`WaveletOptions`] and what they choose from |
 
 mod atlas;
+mod baked;
 mod bounds;
 mod build;
 mod builder;
@@ -33,6 +36,7 @@ mod charts;
 mod domain;
 mod edit;
 mod error;
+mod heights;
 mod instance;
 mod left_out;
 mod mesh;
@@ -49,6 +53,8 @@ mod truncate;
 mod validate;
 mod vertices;
 
+#[doc(no_inline)]
+pub use crate::lod::Triangulation;
 pub use atlas::{Atlas, AtlasOptions, ChartSize};
 pub use bounds::WaveletBounds;
 pub use builder::{Face, Midpoint, WaveletBuilder};
@@ -57,7 +63,7 @@ pub use edit::{DetailFrame, Edited};
 pub use error::WaveletError;
 pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
-pub use options::{Drawing, ErrorBound, Normals, Triangulation, WaveletOptions};
+pub use options::{ErrorBound, Normals, WaveletOptions};
 pub use parts::WaveletParts;
 pub use quadrisection::Quadrisection;
 pub use recognise::{Component, Recognition, Stop, recognise, recognise_across_seams};

@@ -1,6 +1,5 @@
-//! What a wavelet mesh is made for, and how it is drawn.
+//! What a wavelet mesh is made for.
 
-use crate::adapt::Geomorph;
 use crate::view::ErrorShape;
 
 /// Which errors the bounds of a wavelet hold.
@@ -43,18 +42,6 @@ impl WaveletOptions {
     }
 }
 
-/// Triangles of a set of wavelets. Neither has T-vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum Triangulation {
-    /// The sum of the hats, exactly: a face is split in four where any of its sides carries a wavelet. What bounds are proven
-    /// for.
-    #[default]
-    Exact,
-    /// No vertex but those of the wavelets: the smallest triangulation. Vertices never leave their places but to morph.
-    Minimal,
-}
-
 /// Where normals of a mesh come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -64,39 +51,4 @@ pub enum Normals {
     Kept,
     /// From the triangles as they are.
     Recomputed,
-}
-
-/// How an instance is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-pub struct Drawing {
-    /// Which triangles.
-    pub triangulation: Triangulation,
-    /// Whether only vertices in use are in the buffer.
-    pub packed: bool,
-    /// How vertices move to where they belong; `None`: at once.
-    pub geomorph: Option<Geomorph>,
-}
-
-impl Drawing {
-    /// With these triangles.
-    #[must_use]
-    pub fn with_triangulation(mut self, triangulation: Triangulation) -> Self {
-        self.triangulation = triangulation;
-        self
-    }
-
-    /// With a buffer of the vertices in use alone, or of all.
-    #[must_use]
-    pub fn with_packed(mut self, packed: bool) -> Self {
-        self.packed = packed;
-        self
-    }
-
-    /// With vertices that move.
-    #[must_use]
-    pub fn with_geomorph(mut self, geomorph: Option<Geomorph>) -> Self {
-        self.geomorph = geomorph;
-        self
-    }
 }

@@ -261,6 +261,11 @@ impl Surface {
         self.groups.iter_mut().for_each(|group| group.dirty.clear());
     }
 
+    /// Takes all for written.
+    pub fn invalidate(&mut self) {
+        self.groups.iter_mut().for_each(|group| group.dirty.mark_all(group.triangles.len()));
+    }
+
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
         let groups = self.groups.iter().map(|group| {

@@ -4,13 +4,23 @@
 
 use crate::adapt::Refinements;
 
-use super::tally::Tally;
-use super::{Triangulation, WaveletMesh};
+use super::tally::{Tally, Witness};
+use super::{Subdivision, Triangulation, WaveletMesh};
 
 impl WaveletMesh {
     /// The set of the wavelets with the largest bounds that is drawn with at most so many triangles, as one flag a wavelet: none
     /// where not even the base mesh is. O(n log n).
     pub fn largest_within(&self, triangles: usize, triangulation: Triangulation) -> Vec<bool> {
+        self.largest_while(triangulation, |drawn, _| drawn <= triangles)
+    }
+
+    /// The same with at most so many vertices.
+    pub fn largest_within_vertices(&self, vertices: usize, triangulation: Triangulation) -> Vec<bool> {
+        self.largest_while(triangulation, |_, used| used <= vertices)
+    }
+
+    /// The set of the wavelets with the largest bounds, as long as the numbers of triangles and vertices drawn fit.
+    fn largest_while(&self, triangulation: Triangulation, fits: impl Fn(usize, usize) -> bool) -> Vec<bool> {
         let of = self.subdivision();
         let count = of.wavelet_count() as u32;
         // No smaller than that of any child, whatever was rounded.
@@ -28,9 +38,10 @@ impl WaveletMesh {
         let mut set = vec![false; count as usize];
         let mut tally = Tally::new(of, triangulation);
         let mut drawn = of.base_face_count();
+        let mut used = Used { of, vertices: of.base_vertex_count() };
         for wavelet in order {
-            drawn += tally.change(of, wavelet, true, &mut ());
-            if drawn > triangles {
+            drawn += tally.change(of, wavelet, true, &mut used);
+            if !fits(drawn, used.vertices) {
                 break;
             }
             set[wavelet as usize] = true;
@@ -45,4 +56,18 @@ impl WaveletMesh {
         let left_out = (0..self.subdivision().wavelet_count() as u32).filter(|&wavelet| !holds(wavelet));
         left_out.map(|wavelet| self.bounds(wavelet).largest_error()).fold(0.0, f32::max)
     }
+}
+
+/// Counts vertices that come into use.
+struct Used<'a> {
+    of: &'a Subdivision,
+    vertices: usize,
+}
+
+impl Witness for Used<'_> {
+    fn used(&mut self, wavelet: u32) {
+        self.vertices += 1 + self.of.doubles_of(wavelet).count();
+    }
+
+    fn turned(&mut self, _: u32) {}
 }

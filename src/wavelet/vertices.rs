@@ -10,9 +10,8 @@
 //! those that came, went or move, and those whose ends did: a vertex is an end of one edge at each finer level in every
 //! direction (a *spoke* and its inner halves).
 
-use std::sync::Arc;
-
-use crate::adapt::{Blend, Dirty, DirtyRanges};
+use crate::adapt::{Dirty, DirtyRanges};
+use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 
 use super::subdivision::Subdivision;
@@ -45,7 +44,9 @@ struct Slots {
 #[derive(Debug, Clone)]
 pub(super) struct Vertices<V> {
     /// Every vertex at its own place.
-    values: Arc<[V]>,
+    values: Values<V>,
+    /// How they are mixed; `None` where no vertex is ever elsewhere.
+    mix: Option<Mix<V>>,
     /// Per vertex, or per slot, what is drawn.
     drawn: Vec<V>,
     dirty: Dirty,
@@ -58,9 +59,9 @@ pub(super) struct Vertices<V> {
     transition_of: Vec<u32>,
 }
 
-impl<V: Blend + Copy> Vertices<V> {
+impl<V: Vertex> Vertices<V> {
     /// The base mesh.
-    pub fn new(of: &Subdivision, values: Arc<[V]>, packed: bool, moves: bool) -> Self {
+    pub fn new(of: &Subdivision, values: Values<V>, packed: bool, moves: bool) -> Self {
         let base = of.base_vertex_count();
         let slots = packed.then(|| {
             let mut slot_of = vec![NONE; of.vertex_count()];
@@ -71,6 +72,7 @@ impl<V: Blend + Copy> Vertices<V> {
         let mut dirty = Dirty::default();
         dirty.mark_all(drawn.len());
         Self {
+            mix: values.mix(),
             values,
             drawn,
             dirty,
@@ -189,16 +191,17 @@ impl<V: Blend + Copy> Vertices<V> {
         for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
             let Some(ends) = of.ends(vertex) else { continue };
             let own = self.values[vertex as usize];
-            let value = if at_rest {
-                own
-            } else {
-                let [a, b] = ends.map(|end| self.drawn[self.name(end) as usize]);
-                let middle = a.blend(&b, 0.5);
-                if weight > 0.0 {
-                    let [a, b] = ends.map(|end| self.values[end as usize]);
-                    middle.moved(&a.blend(&b, 0.5), &own, weight)
-                } else {
-                    middle
+            let value = match self.mix.filter(|_| !at_rest) {
+                None => own,
+                Some(Mix { blend, moved }) => {
+                    let [a, b] = ends.map(|end| self.drawn[self.name(end) as usize]);
+                    let middle = blend(&a, &b, 0.5);
+                    if weight > 0.0 {
+                        let [a, b] = ends.map(|end| self.values[end as usize]);
+                        moved(&middle, &blend(&a, &b, 0.5), &own, weight)
+                    } else {
+                        middle
+                    }
                 }
             };
             self.draw(vertex, value, at_rest && was_at_rest);
@@ -256,14 +259,19 @@ impl<V: Blend + Copy> Vertices<V> {
         }
     }
 
-    /// Values at their own places, to be replaced by as many; then [`Vertices::revalue`].
-    pub fn own_values(&mut self) -> &mut Arc<[V]> {
+    /// Values at their own places, to be changed, or replaced by as many; then [`Vertices::revalue`].
+    pub fn own_values(&mut self) -> &mut Values<V> {
         &mut self.values
     }
 
     /// Values at their own places.
-    pub fn values_at_rest(&self) -> &Arc<[V]> {
+    pub fn values_at_rest(&self) -> &Values<V> {
         &self.values
+    }
+
+    /// Takes all for written.
+    pub fn invalidate(&mut self) {
+        self.dirty.mark_all(self.drawn.len());
     }
 
     /// Takes in that vertices have other values at their own places: they are to be drawn anew, and what is between them.

@@ -4,38 +4,14 @@
 #[path = "../support/flight.rs"]
 pub mod path;
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{HierarchyBuild, HierarchyLod};
+use multires::hierarchy::HierarchyLod;
+use multires::lod::Lod;
 use multires::mesh::Mesh;
 use multires::simplify::CollapseSequence;
 
 /// Stands for no step.
 pub const NEVER: u32 = u32::MAX;
-
-/// The folder of models; `None`, with a word on stderr, where it is not there.
-pub fn models(test: &str) -> Option<PathBuf> {
-    let given = std::env::var_os("MULTIRES_MODELS").map(PathBuf::from);
-    let root = given.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"));
-    if !root.is_dir() {
-        eprintln!("{test}: skipping: no models in {} (set MULTIRES_MODELS)", root.display());
-        return None;
-    }
-    Some(root)
-}
-
-/// A model of the folder by name; `None`, with a word on stderr, where it is not there.
-#[cfg(feature = "io")]
-pub fn model(test: &str, name: &str) -> Option<Mesh> {
-    let file = models(test)?.join(name);
-    if !file.is_file() {
-        eprintln!("{test}: skipping {name}: not in {}", file.display());
-        return None;
-    }
-    Some(multires::io::read(&file).unwrap())
-}
 
 /// The drawn triangles: number in the hierarchy and corners as vertices of the hierarchy.
 pub fn drawn(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
@@ -46,15 +22,15 @@ pub fn drawn(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
     all
 }
 
-/// A mesh with positions in the order of its hierarchy.
+/// The vertices of a baked hierarchy, where they are.
 pub struct Placed {
     pub positions: Vec<DVec3>,
 }
 
 impl Placed {
-    pub fn new(mesh: &Mesh, built: &HierarchyBuild) -> Self {
-        let positions = built.positions(mesh.positions()).unwrap();
-        Self { positions: positions.into_iter().map(|p| DVec3::from_array(p.map(f64::from))).collect() }
+    pub fn new(vertices: &Mesh) -> Self {
+        let positions = vertices.positions().iter();
+        Self { positions: positions.map(|p| DVec3::from_array(p.map(f64::from))).collect() }
     }
 
     pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {

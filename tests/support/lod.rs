@@ -2,13 +2,51 @@
 
 use std::collections::BTreeMap;
 
-use multires::adapt::{Cut, LevelOfDetail, Refinements};
-use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::adapt::{Cut, Refinements};
+use multires::hierarchy::{Dependencies, HierarchyLod, HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod, LodOptions, Structure, Values, Vertex};
 use multires::mesh::{Mesh, shapes};
+use multires::simplify::CollapseSequence;
+use multires::tom::{TomOptions, TotallyOrderedMesh};
 use multires::view::{Answer, Bounds, Criterion, Motion, View};
 
 pub const POLICIES: [Dependencies; 3] =
     [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+
+/// A totally ordered mesh of a sequence, with its vertices.
+pub fn bake_tom(mesh: &Mesh, sequence: &CollapseSequence) -> Baked<TotallyOrderedMesh> {
+    Baked::of_sequence(mesh, sequence, &TomOptions::default()).unwrap()
+}
+
+/// A hierarchy of a sequence, with its vertices.
+pub fn bake_hierarchy(
+    mesh: &Mesh,
+    sequence: &CollapseSequence,
+    dependencies: Dependencies,
+) -> Baked<VertexHierarchy> {
+    let options = HierarchyOptions::default().with_dependencies(dependencies);
+    Baked::of_sequence(mesh, sequence, &options).unwrap()
+}
+
+/// The positions of a model, as values that may move.
+pub fn places<S: Structure>(model: &Baked<S>) -> Values<[f32; 3]> {
+    model.values(|v| model.vertices().positions()[v]).with_blending()
+}
+
+/// Changes how an instance follows the view, not which vertices lie in its buffer.
+pub trait Limited: Lod + Sized {
+    fn limit(&mut self, options: LodOptions) {
+        let buffer = self.options().buffer;
+        self.set_options(&options.with_buffer(buffer)).unwrap();
+    }
+
+    fn limited(mut self, options: LodOptions) -> Self {
+        self.limit(options);
+        self
+    }
+}
+
+impl<L: Lod> Limited for L {}
 
 /// Needs what a hash says, as far as parents are needed: any closed set can be asked for, with all splits of the same bounds.
 #[derive(Clone)]
@@ -67,7 +105,7 @@ impl Criterion for Random {
 }
 
 /// The triangles that are drawn, by number, as vertices of the hierarchy.
-pub fn drawn(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
+pub fn drawn<V: Vertex>(lod: &HierarchyLod<V>) -> Vec<(u32, [u32; 3])> {
     let mut all = Vec::new();
     for group in 0..lod.groups() {
         let named = lod.triangles(group).iter().map(|t| match lod.vertices() {
@@ -81,7 +119,7 @@ pub fn drawn(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
 }
 
 /// The same from the definition.
-pub fn image(lod: &HierarchyLod) -> Vec<(u32, [u32; 3])> {
+pub fn image<V: Vertex>(lod: &HierarchyLod<V>) -> Vec<(u32, [u32; 3])> {
     let triangles = lod.hierarchy().triangles().iter().enumerate();
     let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| lod.stand_in(v))));
     all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
@@ -102,7 +140,7 @@ pub fn is_closed(hierarchy: &VertexHierarchy, cut: &Cut) -> bool {
 }
 
 /// The splits that are drawn.
-pub fn shown(lod: &HierarchyLod) -> Vec<u32> {
+pub fn shown<V: Vertex>(lod: &HierarchyLod<V>) -> Vec<u32> {
     (0..lod.hierarchy().split_count() as u32).filter(|&split| lod.shows(split)).collect()
 }
 
@@ -112,7 +150,7 @@ pub fn wanted(hierarchy: &VertexHierarchy, cut: &Cut) -> Vec<u32> {
 }
 
 /// What is drawn is a closed set of splits and the image of the input under it.
-pub fn assert_valid(lod: &HierarchyLod) {
+pub fn assert_valid<V: Vertex>(lod: &HierarchyLod<V>) {
     let hierarchy = lod.hierarchy();
     for split in shown(lod) {
         assert!(hierarchy.parents(split).chain(hierarchy.needs(split)).all(|other| lod.shows(other)));

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use multires::adapt::{Blend, LevelOfDetail};
+use multires::lod::{Lod, LodOptions, Values, Vertex, VertexBuffer};
 use multires::mesh::{Mesh, shapes};
 use multires::view::{Answer, Criterion, DeviationBounds, Motion, View, look_at};
 use multires::wavelet::{Face, Midpoint, WaveletBuilder, WaveletLod, WaveletMesh, WaveletOptions};
@@ -88,7 +88,7 @@ pub fn edge_counts(mesh: &Mesh) -> BTreeMap<[[u32; 3]; 2], usize> {
 }
 
 /// The drawn triangles of all groups as vertices of the mesh, each from its lowest corner on, in order.
-pub fn drawn<V: Blend + Copy>(lod: &WaveletLod<V>) -> Vec<[u32; 3]> {
+pub fn drawn<V: Vertex>(lod: &WaveletLod<V>) -> Vec<[u32; 3]> {
     let mut all: Vec<[u32; 3]> = (0..lod.groups()).flat_map(|group| lod.triangles(group).to_vec()).collect();
     if let Some(vertices) = lod.vertices() {
         all.iter_mut().for_each(|t| *t = t.map(|slot| vertices[slot as usize]));
@@ -143,10 +143,15 @@ pub fn view(mesh: &WaveletMesh, seed: u64, tolerance: f32) -> View {
         .with_tolerance_px(tolerance)
 }
 
+/// Options of a buffer of the vertices in use alone, or of all.
+pub fn buffer(packed: bool) -> LodOptions {
+    LodOptions::default().with_buffer(if packed { VertexBuffer::Packed } else { VertexBuffer::Whole })
+}
+
 /// An instance of positions.
-pub fn instance(mesh: &Arc<WaveletMesh>, drawing: &multires::wavelet::Drawing) -> WaveletLod<[f32; 3]> {
+pub fn instance(mesh: &Arc<WaveletMesh>, options: &LodOptions) -> WaveletLod<[f32; 3]> {
     let positions: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
-    WaveletLod::new(Arc::clone(mesh), positions, drawing).unwrap()
+    WaveletLod::new(Arc::clone(mesh), Values::from(positions).with_blending(), options).unwrap()
 }
 
 /// Needs what it is told, as a set closed under parents; knows wavelets by where they are.

@@ -5,8 +5,8 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use multires::adapt::LevelOfDetail;
 use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::lod::Lod;
 use multires::mesh::{Mesh, shapes};
 use multires::simplify::Simplifier;
 use multires::view::{ObjectView, View};
@@ -40,9 +40,9 @@ fn frames(c: &mut Criterion) {
         let hierarchy = Arc::new(VertexHierarchy::build(&mesh, &sequence, dependencies).unwrap().hierarchy);
         let mut lod = HierarchyLod::new(hierarchy);
         let (mut tests, mut operations, mut drawn) = (0, 0, 0);
-        lod.adapt(&path[path.len() - 1..]);
+        lod.adapt(&path[path.len() - 1..], 1.0 / 60.0);
         for view in &path {
-            let change = lod.adapt(std::slice::from_ref(view));
+            let change = lod.adapt(std::slice::from_ref(view), 1.0 / 60.0);
             tests += change.cut.tests;
             operations += change.cut.splits + change.cut.collapses;
             drawn += change.triangles;
@@ -57,19 +57,19 @@ fn frames(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("frames", format!("{dependencies:?}")), |b| {
             b.iter(|| {
                 for view in &path {
-                    black_box(lod.adapt(std::slice::from_ref(view)));
+                    black_box(lod.adapt(std::slice::from_ref(view), 1.0 / 60.0));
                     lod.clean();
                 }
             });
         });
         // With a view from nearby and with none: all of a cut comes and goes.
-        let change = lod.adapt(&path[150..=150]).triangles;
+        let change = lod.adapt(&path[150..=150], 1.0 / 60.0).triangles;
         println!("{dependencies:?}, nearby: {change} triangles");
         group.throughput(Throughput::Elements(2));
         group.bench_function(BenchmarkId::new("to and fro", format!("{dependencies:?}")), |b| {
             b.iter(|| {
-                lod.adapt(&[]);
-                black_box(lod.adapt(&path[150..=150]));
+                lod.adapt(&[], 1.0 / 60.0);
+                black_box(lod.adapt(&path[150..=150], 1.0 / 60.0));
                 lod.clean();
             });
         });

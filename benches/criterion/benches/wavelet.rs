@@ -7,12 +7,11 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use multires::HierarchyBuilder;
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::HierarchyLod;
+use multires::hierarchy::{HierarchyBuilder, HierarchyLod};
+use multires::lod::{Lod, LodOptions, Triangulation, Values, VertexBuffer};
 use multires::mesh::{Mesh, shapes};
 use multires::view::{ObjectView, View, look_at};
-use multires::wavelet::{Drawing, Triangulation, WaveletLod, WaveletMesh, WaveletOptions, recognise};
+use multires::wavelet::{WaveletLod, WaveletMesh, WaveletOptions, recognise};
 
 /// Views from an eye that circles the terrain once while it comes down and near and goes away again.
 fn path(frames: usize) -> Vec<ObjectView> {
@@ -34,11 +33,11 @@ fn frames(c: &mut Criterion) {
     let mesh = terrain();
     let path = path(400);
     let mut group = c.benchmark_group("wavelet frames");
-    let mut fly = |name: &str, lod: &mut dyn LevelOfDetail| {
+    let mut fly = |name: &str, lod: &mut dyn Lod| {
         let (mut tests, mut operations, mut drawn) = (0, 0, 0);
-        lod.adapt(&path[path.len() - 1..]);
+        lod.adapt(&path[path.len() - 1..], 1.0 / 60.0);
         for view in &path {
-            let change = lod.adapt(std::slice::from_ref(view));
+            let change = lod.adapt(std::slice::from_ref(view), 1.0 / 60.0);
             tests += change.cut.tests;
             operations += change.cut.splits + change.cut.collapses;
             drawn += change.triangles;
@@ -54,19 +53,20 @@ fn frames(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 for view in &path {
-                    black_box(lod.adapt(std::slice::from_ref(view)));
+                    black_box(lod.adapt(std::slice::from_ref(view), 1.0 / 60.0));
                     lod.clean();
                 }
             });
         });
     };
-    let hierarchy = HierarchyBuilder::new().build(&mesh).unwrap();
-    fly("hierarchy", &mut HierarchyLod::new(Arc::clone(hierarchy.hierarchy())));
+    let hierarchy = HierarchyBuilder::new().bake(&mesh).unwrap();
+    fly("hierarchy", &mut HierarchyLod::new(Arc::clone(hierarchy.structure())));
     let wavelets = Arc::new(WaveletMesh::recognise(&mesh, &WaveletOptions::default()).unwrap());
-    let values: Arc<[[f32; 3]]> = wavelets.vertices().positions().into();
+    let values = Values::from(wavelets.vertices().positions().to_vec()).with_blending();
     for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
-        let drawing = Drawing::default().with_triangulation(triangulation);
-        let mut lod = WaveletLod::new(Arc::clone(&wavelets), Arc::clone(&values), &drawing).unwrap();
+        let drawing =
+            LodOptions::default().with_buffer(VertexBuffer::Whole).with_triangulation(triangulation);
+        let mut lod = WaveletLod::new(Arc::clone(&wavelets), values.clone(), &drawing).unwrap();
         fly(&format!("{triangulation:?}"), &mut lod);
     }
     group.finish();

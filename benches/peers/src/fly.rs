@@ -13,8 +13,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use multires::adapt::{LevelOfDetail, Refinements};
-use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::adapt::Refinements;
+use multires::hierarchy::{Dependencies, HierarchyLod, HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod};
 use multires::mesh::Mesh;
 use multires::simplify::metric::LindstromTurk;
 use multires::simplify::{CollapseSequence, Placement, Simplifier};
@@ -191,10 +192,11 @@ impl Flyer {
         dependencies: Dependencies,
         sequence_ms: f64,
     ) -> Result<Self, Box<dyn Error>> {
-        let (built, ms) = timed(|| VertexHierarchy::build(mesh, sequence, dependencies));
+        let options = HierarchyOptions::default().with_dependencies(dependencies);
+        let (built, ms) = timed(|| Baked::<VertexHierarchy>::of_sequence(mesh, sequence, &options));
         let built = built?;
-        let positions = built.positions(mesh.positions())?;
-        let lod = Box::new(HierarchyLod::new(Arc::new(built.hierarchy)));
+        let positions = built.vertices().positions().to_vec();
+        let lod = Box::new(HierarchyLod::new(Arc::clone(built.structure())));
         Ok(Self::new(name, Kind::Splits { lod, positions }, sequence_ms + ms[0]))
     }
 
@@ -213,7 +215,7 @@ impl Flyer {
                     self.in_frustum.push(dag.inside(&selected, &planes) as f64);
                 }
                 Kind::Splits { lod, positions } => {
-                    let change = lod.adapt(std::slice::from_ref(view)).cut;
+                    let change = lod.adapt(std::slice::from_ref(view), 1.0 / 60.0).cut;
                     // The way from the coarsest mesh to the first frame is no frame.
                     if frame > 0 {
                         self.tests.push(change.tests as f64);
@@ -249,7 +251,7 @@ impl Flyer {
                 }
                 Kind::Splits { lod, .. } => {
                     let at = cpu_times()[0];
-                    lod.adapt(std::slice::from_ref(view));
+                    lod.adapt(std::slice::from_ref(view), 1.0 / 60.0);
                     let then = cpu_times()[0];
                     let now = lod.triangles(0);
                     shadow.resize(now.len(), [0; 3]);
@@ -343,7 +345,7 @@ fn slowly(
             let (mut tests, mut fronts, mut operations, mut times) =
                 (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             for (frame, view) in views(&path, tolerance)?.into_iter().enumerate() {
-                let (change, ms) = timed(|| lod.adapt(&[view]));
+                let (change, ms) = timed(|| lod.adapt(&[view], 1.0 / 60.0));
                 lod.clean();
                 if frame >= WARM {
                     tests.push(change.cut.tests as f64);
@@ -386,7 +388,7 @@ fn everything(name: &'static str, hierarchy: Arc<VertexHierarchy>, rounds: usize
     let mut times = [Vec::new(), Vec::new()];
     for round in 0..=rounds {
         for (refine, times) in [true, false].into_iter().zip(&mut times) {
-            let (_, ms) = timed(|| lod.adapt_by(&All(refine), Motion::Other));
+            let (_, ms) = timed(|| lod.adapt_by(&All(refine), Motion::Other, 0.0));
             lod.clean();
             if round > 0 {
                 times.push(ms[0] * 1e6 / splits as f64);

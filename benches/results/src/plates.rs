@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use multires::adapt::LevelOfDetail;
+use multires::lod::{Lod, LodOptions, Values, VertexBuffer};
 use multires::mesh::Mesh;
 use multires::quality::{Colours, RenderOptions, Shading, render};
-use multires::wavelet::{Drawing, Normals, WaveletLod, WaveletMesh};
+use multires::wavelet::{Normals, WaveletLod, WaveletMesh};
 
 use super::canvas::Canvas;
 use super::flight::Pose;
@@ -45,10 +45,14 @@ impl Plates<'_> {
         size: [usize; 2],
         pixels: [f32; 2],
     ) -> Result<WaveletLod<[f32; 3]>, Box<dyn Error>> {
-        let values: Arc<[[f32; 3]]> = self.mesh.vertices().positions().into();
-        let mut lod = WaveletLod::new(self.mesh.clone(), values, &Drawing::default())?;
+        let values = Values::from(self.mesh.vertices().positions().to_vec()).with_blending();
+        let mut lod = WaveletLod::new(
+            self.mesh.clone(),
+            values,
+            &LodOptions::default().with_buffer(VertexBuffer::Whole),
+        )?;
         let view = pose.view(size.map(|n| n as u32))?;
-        lod.adapt(&[view.with_tolerance_px(pixels[0]).with_silhouette_px(pixels[1]).of_world()]);
+        lod.adapt(&[view.with_tolerance_px(pixels[0]).with_silhouette_px(pixels[1]).of_world()], 1.0 / 60.0);
         Ok(lod)
     }
 
@@ -94,10 +98,8 @@ impl Plates<'_> {
         };
         let textured = [self.textured(|_| true, pose, SIZE)?, self.textured(|w| lod.shows(w), pose, SIZE)?];
         let [full, adapted] = textured;
-        let rows = [
-            row("full", self.mesh.finest(Normals::Kept), full)?,
-            row("adapted", lod.to_mesh(Normals::Kept), adapted)?,
-        ];
+        let rows =
+            [row("full", self.mesh.finest(Normals::Kept), full)?, row("adapted", lod.to_mesh(), adapted)?];
         Ok(sheet(&rows, &[]))
     }
 
@@ -105,7 +107,7 @@ impl Plates<'_> {
     pub fn outside(&self, pose: &Pose) -> Result<Canvas, Box<dyn Error>> {
         let lod = self.adapted(pose, SIZE, self.pixels)?;
         let shot = |mesh: Mesh| Shot { mesh, pose: *pose };
-        let [full, adapted] = [shot(self.mesh.finest(Normals::Kept)), shot(lod.to_mesh(Normals::Kept))];
+        let [full, adapted] = [shot(self.mesh.finest(Normals::Kept)), shot(lod.to_mesh())];
         let cell = |name: &str, shot: &Shot, pixels| {
             let caption = match name {
                 "from outside" => name.to_owned(),
@@ -132,7 +134,7 @@ impl Plates<'_> {
 
         let edged = [
             ("coarse", self.mesh.at_level(level, Normals::Kept)),
-            ("adapted", lod.to_mesh(Normals::Kept)),
+            ("adapted", lod.to_mesh()),
             ("full", self.mesh.finest(Normals::Kept)),
         ];
         let textured = [
@@ -161,11 +163,9 @@ impl Plates<'_> {
                 lit: mean_difference(&lit, &adapted_lit, |shown| shown != [false; 2]),
                 textured: mean_difference(&textured, &adapted, |shown| shown != [false; 2]),
                 inside: mean_difference(&textured, &adapted, |shown| shown == [true; 2]),
-                flat: mean_difference(
-                    &flat,
-                    &self.flat(&lod.to_mesh(Normals::Kept), pose, COMPARED)?,
-                    |shown| shown != [false; 2],
-                ),
+                flat: mean_difference(&flat, &self.flat(&lod.to_mesh(), pose, COMPARED)?, |shown| {
+                    shown != [false; 2]
+                }),
             })
         };
         pixels.iter().map(one).collect()

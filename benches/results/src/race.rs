@@ -7,13 +7,11 @@ use std::time::Instant;
 
 use glam::DVec3;
 use multires::Simplifier;
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::hierarchy::{HierarchyLod, HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod, LodOptions, Triangulation, Values, VertexBuffer};
 use multires::mesh::Mesh;
 use multires::view::{ErrorKind, ErrorShape, View};
-use multires::wavelet::{
-    Drawing, ErrorBound, Normals, Triangulation, WaveletError, WaveletLod, WaveletMesh, WaveletOptions,
-};
+use multires::wavelet::{ErrorBound, Normals, WaveletError, WaveletLod, WaveletMesh, WaveletOptions};
 
 use super::flight::{Pose, VIEWPORT};
 
@@ -75,9 +73,9 @@ pub fn racers(build: Build<'_>) -> Result<Vec<Racer>, Box<dyn Error>> {
         }
     }
     let sequence = Simplifier::new().run(&full)?;
-    let built = VertexHierarchy::build(&full, &sequence, Dependencies::None)?;
-    let positions: Arc<[[f32; 3]]> = built.positions(full.positions())?.into();
-    let hierarchy = Arc::new(built.hierarchy);
+    let model = Baked::<VertexHierarchy>::of_sequence(&full, &sequence, &HierarchyOptions::default())?;
+    let positions: Arc<[[f32; 3]]> = model.vertices().positions().into();
+    let hierarchy = model.structure();
     let kinds =
         [("vertex hierarchy", ErrorKind::Geometric), ("vertex hierarchy, parametric", ErrorKind::Parametric)];
     for (name, kind) in kinds {
@@ -125,8 +123,9 @@ impl Way {
     fn fly(&self, poses: &[Pose], pixels: [f32; 2]) -> Result<(Vec<Frame>, usize), Box<dyn Error>> {
         match self {
             Self::Wavelets(mesh, triangulation) => {
-                let values: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
-                let drawing = Drawing::default().with_triangulation(*triangulation);
+                let values = Values::from(mesh.vertices().positions().to_vec()).with_blending();
+                let drawing =
+                    LodOptions::default().with_buffer(VertexBuffer::Whole).with_triangulation(*triangulation);
                 let mut lod = WaveletLod::new(mesh.clone(), values, &drawing)?;
                 let frames =
                     fly(&mut lod, poses, pixels, ErrorKind::default(), (&[], |lod, _| lod.values()))?;
@@ -144,7 +143,7 @@ impl Way {
 /// Where vertices are drawn: by the instance, or always at the same places.
 type Positions<L> = for<'a> fn(&'a L, &'a [[f32; 3]]) -> &'a [[f32; 3]];
 
-fn fly<L: LevelOfDetail>(
+fn fly<L: Lod>(
     lod: &mut L,
     poses: &[Pose],
     pixels: [f32; 2],
@@ -157,7 +156,7 @@ fn fly<L: LevelOfDetail>(
         let view: View = pose.view(VIEWPORT)?.with_tolerance_px(pixels[0]).with_silhouette_px(pixels[1]);
         let views = [view.with_error(kind).of_world()];
         let start = Instant::now();
-        let change = lod.adapt(&views);
+        let change = lod.adapt(&views, 1.0 / 60.0);
         let adapted = start.elapsed();
         let groups = (0..lod.groups()).map(|group| lod.triangles(group));
         black_box(project(positions(lod, fixed), groups, pose));

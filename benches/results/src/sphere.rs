@@ -5,11 +5,9 @@ use std::io::Write;
 use std::sync::Arc;
 
 use glam::DVec3;
-use multires::adapt::LevelOfDetail;
+use multires::lod::{Lod, LodOptions, Triangulation, Values, VertexBuffer};
 use multires::mesh::Mesh;
-use multires::wavelet::{
-    Drawing, ErrorBound, Triangulation, WaveletBuilder, WaveletError, WaveletLod, WaveletMesh, WaveletOptions,
-};
+use multires::wavelet::{ErrorBound, WaveletBuilder, WaveletError, WaveletLod, WaveletMesh, WaveletOptions};
 
 use super::canvas::Canvas;
 use super::flight::Pose;
@@ -56,13 +54,15 @@ pub fn distances(says: &mut impl Write) -> Result<Canvas, Box<dyn Error>> {
     let mut lods = Vec::new();
     for (triangulation, bound) in ways {
         let mesh = Arc::new(build(&WaveletOptions::default().with_bound(bound))?);
-        let drawing = Drawing::default().with_triangulation(triangulation);
-        lods.push(WaveletLod::new(mesh.clone(), mesh.vertices().positions().into(), &drawing)?);
+        let drawing =
+            LodOptions::default().with_buffer(VertexBuffer::Whole).with_triangulation(triangulation);
+        let values = Values::from(mesh.vertices().positions().to_vec()).with_blending();
+        lods.push(WaveletLod::new(mesh.clone(), values, &drawing)?);
     }
     let mut count = |distance: f64| -> Result<Vec<usize>, Box<dyn Error>> {
         let view = pose(distance).view(SIZE.map(|n| n as u32))?;
         let views = [view.with_tolerance_px(PIXELS[0]).with_silhouette_px(PIXELS[1]).of_world()];
-        Ok(lods.iter_mut().map(|lod| lod.adapt(&views).triangles).collect())
+        Ok(lods.iter_mut().map(|lod| lod.adapt(&views, 1.0 / 60.0).triangles).collect())
     };
     writeln!(
         says,

@@ -4,17 +4,16 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, ValueEnum};
-use multires::adapt::LodOptions;
+use multires::adapt::Geomorph;
 use multires::hierarchy::Dependencies;
+use multires::lod::{LodOptions, Triangulation, VertexBuffer};
 use multires::simplify::{Placement, metric};
 use multires::view::ErrorKind;
-use multires::wavelet::{ErrorBound, Triangulation, WaveletOptions};
+use multires::wavelet::{ErrorBound, WaveletOptions};
 
 use crate::camera::Tolerances;
 use crate::renderer::Shading;
-use crate::scene::{
-    BuildOptions, Builtin, Coordinates, LodSettings, Overlays, Source, Storage, StructureKind,
-};
+use crate::scene::{BuildOptions, Builtin, Coordinates, Overlays, Source, StructureKind};
 
 /// Shows a model at the level of detail that the view asks for: in a window, or as pictures with --headless.
 ///
@@ -181,6 +180,25 @@ pub enum Bound {
     WithoutSiblings,
 }
 
+/// Where vertices are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Storage {
+    /// All of them on the card, once for all instances.
+    #[default]
+    Static,
+    /// Those in use, for each instance.
+    Compact,
+}
+
+impl From<Storage> for VertexBuffer {
+    fn from(storage: Storage) -> Self {
+        match storage {
+            Storage::Static => Self::Shared,
+            Storage::Compact => Self::Packed,
+        }
+    }
+}
+
 /// Which triangles of a wavelet mesh are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Triangles {
@@ -253,12 +271,13 @@ impl Arguments {
     }
 
     /// How it follows the view.
-    pub fn settings(&self) -> LodSettings {
-        let limits = LodOptions::default().with_triangles(self.budget).with_operations(self.operations);
-        LodSettings::default()
-            .with_storage(self.storage)
-            .with_limits(limits)
-            .with_geomorph(self.geomorph)
+    pub fn options(&self) -> LodOptions {
+        let geomorph = self.geomorph.map(|seconds| Geomorph::default().with_duration(seconds));
+        LodOptions::default()
+            .with_buffer(self.storage.into())
+            .with_triangles(self.budget)
+            .with_operations(self.operations)
+            .with_geomorph(geomorph)
             .with_triangulation(self.triangulation.into())
     }
 

@@ -8,8 +8,9 @@ use std::process::{Command, Output};
 
 use card::open;
 use multires::io;
+use multires::lod::Structure;
 use multires::mesh::shapes;
-use multires::wavelet::{WaveletMesh, WaveletOptions};
+use multires::wavelet::WaveletMesh;
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_multires-viewer"));
@@ -87,8 +88,7 @@ fn every_structure_and_scene_is_drawn() {
     let folder = Folder::new("scenes");
     let out = folder.file("out");
     let baked = folder.file("rock.mres");
-    let rock = WaveletMesh::recognise(&shapes::rock(1_280, 1), &WaveletOptions::default()).unwrap();
-    io::write_baked(&baked, WaveletMesh::KIND, &rock).unwrap();
+    WaveletMesh::bake(&shapes::rock(1_280, 1)).unwrap().write(&baked).unwrap();
     let runs: [&[&str]; 8] = [
         &["--scene", "terrain", "--triangles", "5000", "--storage", "compact"],
         &["--scene", "rocks", "--triangles", "500", "--geomorph", "0.2"],

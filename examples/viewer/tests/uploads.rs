@@ -3,14 +3,14 @@
 
 mod card;
 
-use card::{model, open, read_back};
+use card::{model, moving, open, read_back, shared};
+use multires::lod::{Lod, LodOptions, Triangulation};
 use multires::mesh::shapes;
 use multires::view::View;
-use multires::wavelet::Triangulation;
 use multires_viewer::camera::{Lens, Orbit, Pose, Tolerances};
 use multires_viewer::gpu::Gpu;
-use multires_viewer::renderer::{LodBuffers, TRIANGLE, Uploaded, Uploads, Values, Vertex};
-use multires_viewer::scene::{BuildOptions, Instance, LodSettings, Model, Storage, StructureKind};
+use multires_viewer::renderer::{LodBuffers, TRIANGLE, Uploaded, Uploads, Vertex};
+use multires_viewer::scene::{BuildOptions, Model, StructureKind};
 
 const LENS: Lens = Lens { field_of_view: 0.9, size: [1280, 720] };
 
@@ -29,34 +29,30 @@ fn pose(model: &Model, frame: usize) -> Pose {
     orbit.pose()
 }
 
-/// Bytes of the ranges that an instance says are dirty, neighbours across a small gap together.
-fn dirty(instance: &dyn Instance) -> [u64; 2] {
-    let lod = instance.lod();
+/// Bytes of the ranges that an instance says are dirty, of triangles and of vertices; those across a small gap together.
+fn dirty(lod: &dyn Lod) -> [u64; 2] {
     let triangles: usize =
-        (0..lod.groups()).flat_map(|g| lod.dirty_triangles(g, 2)).map(|range| range.len()).sum();
-    let vertices: usize = match instance.values() {
-        Values::Shared => 0,
-        _ => lod.dirty_vertices(1).map(|range| range.len()).sum(),
-    };
+        (0..lod.groups()).flat_map(|g| lod.dirty_triangles(g, 4)).map(|range| range.len()).sum();
+    let vertices: usize = lod.dirty_vertices(1).map(|range| range.len()).sum();
     [triangles as u64 * TRIANGLE, vertices as u64 * size_of::<Vertex>() as u64]
 }
 
 struct Flight {
     gpu: Gpu,
-    instance: Box<dyn Instance>,
+    instance: Box<dyn Lod>,
     buffers: LodBuffers,
     uploads: Uploads,
 }
 
 impl Flight {
-    fn new(gpu: &Gpu, model: &Model, settings: &LodSettings) -> Self {
-        let instance = model.instance(settings);
+    fn new(gpu: &Gpu, model: &Model, options: &LodOptions) -> Self {
+        let instance = model.instance(options).unwrap();
         let buffers = LodBuffers::new(&gpu.device, &*instance);
         Self { gpu: gpu.clone(), instance, buffers, uploads: Uploads::default() }
     }
 
     fn frame(&mut self, pose: &Pose) -> Uploaded {
-        self.instance.lod_mut().adapt(&[view(pose).of_world()]);
+        self.instance.adapt(&[view(pose).of_world()], 1.0 / 60.0);
         let [indices, vertices] = dirty(&*self.instance);
         self.buffers.sync(&self.gpu.device, &mut self.uploads, &mut *self.instance);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -68,7 +64,7 @@ impl Flight {
 
     /// Compares all that is drawn.
     fn check(&self) {
-        let lod = self.instance.lod();
+        let lod = &*self.instance;
         for (group, (buffer, triangles)) in self.buffers.groups().enumerate() {
             let held: &[u8] = bytemuck::cast_slice(lod.triangles(group));
             assert_eq!(triangles as usize, lod.triangles(group).len());
@@ -76,18 +72,16 @@ impl Flight {
                 assert!(read_back(&self.gpu, buffer, held.len()) == held, "group {group} differs");
             }
         }
-        let held: Vec<Vertex> = match self.instance.values() {
-            Values::Shared => return,
-            Values::Own(values) => values.to_vec(),
-            Values::Slots(all) => lod.vertices().unwrap().iter().map(|&v| all[v as usize]).collect(),
-        };
+        if lod.shares_vertices() {
+            return;
+        }
         let nothing = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: 4,
             usage: wgpu::BufferUsages::VERTEX,
             mapped_at_creation: false,
         });
-        let held: &[u8] = bytemuck::cast_slice(&held);
+        let held = lod.vertex_bytes();
         let buffer = self.buffers.vertices(&nothing);
         assert!(read_back(&self.gpu, buffer, held.len()) == held, "vertices differ");
     }
@@ -99,19 +93,19 @@ fn a_hundred_steady_frames_upload_dirty_ranges_alone() {
     let rock = model(&shapes::rock(40_000, 3), &BuildOptions::default());
     let wavelets = BuildOptions::default().with_structure(StructureKind::Wavelet);
     let wavelets = model(&shapes::rock(81_920, 3), &wavelets);
-    let settings = LodSettings::default();
-    let compact = settings.with_storage(Storage::Compact);
+    let fixed = shared();
+    let compact = LodOptions::default();
     let minimal = compact.with_triangulation(Triangulation::Minimal);
     let kinds = [
-        ("static", &rock, settings),
+        ("static", &rock, fixed),
         ("compact", &rock, compact),
-        ("moving", &rock, settings.with_geomorph(Some(0.2))),
-        ("moving, compact", &rock, compact.with_geomorph(Some(0.2))),
-        ("wavelets", &wavelets, settings),
+        ("moving", &rock, moving(fixed, 0.2)),
+        ("moving, compact", &rock, moving(compact, 0.2)),
+        ("wavelets", &wavelets, fixed),
         ("wavelets, compact", &wavelets, compact),
         ("wavelets, compact, minimal", &wavelets, minimal),
-        ("wavelets, moving", &wavelets, settings.with_geomorph(Some(0.2))),
-        ("wavelets, moving, compact", &wavelets, compact.with_geomorph(Some(0.2))),
+        ("wavelets, moving", &wavelets, moving(fixed, 0.2)),
+        ("wavelets, moving, compact", &wavelets, moving(compact, 0.2)),
     ];
     for (what, rock, settings) in kinds {
         let mut flight = Flight::new(&gpu, rock, &settings);
@@ -148,8 +142,8 @@ fn buffers_that_grow_hold_what_they_held() {
         [(StructureKind::Hierarchy, &demo), (StructureKind::Tom, &demo), (StructureKind::Wavelet, &rock)];
     for (structure, mesh) in structures {
         let demo = model(mesh, &BuildOptions::default().with_structure(structure));
-        for storage in [Storage::Static, Storage::Compact] {
-            let mut flight = Flight::new(&gpu, &demo, &LodSettings::default().with_storage(storage));
+        for options in [shared(), LodOptions::default()] {
+            let mut flight = Flight::new(&gpu, &demo, &options);
             let mut grown = 0;
             for frame in 0..40 {
                 let mut pose = pose(&demo, frame);

@@ -6,25 +6,27 @@ mod card;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use card::{model, open};
-use multires::adapt::{LevelOfDetail, LodOptions, Refinements};
+use card::{model, moving, open, shared};
+use multires::adapt::Refinements;
+use multires::lod::{Baked, Lod, LodOptions, Triangulation, VertexBuffer};
 use multires::mesh::{Mesh, shapes};
 use multires::view::View;
-use multires::wavelet::{
-    ErrorBound, Normals, Triangulation, WaveletBuilder, WaveletLod, WaveletMesh, WaveletOptions,
-};
+use multires::wavelet::{ErrorBound, Normals, WaveletBuilder, WaveletLod, WaveletMesh, WaveletOptions};
 use multires_viewer::camera::{Lens, Orbit, Pose, Tolerances};
 use multires_viewer::headless::{STEP, Stage};
-use multires_viewer::renderer::{Look, Shading, Vertex};
+use multires_viewer::renderer::{Look, Shading};
 use multires_viewer::scene::{
-    BuildOptions, Builtin, Coordinates, Instance, LodSettings, Model, ModelError, Overlays, Storage,
-    StructureKind, WaveletInstance,
+    BuildOptions, Builtin, Coordinates, Model, ModelError, Overlays, StructureKind,
 };
 
 const LENS: Lens = Lens { field_of_view: 0.8, size: [300, 300] };
 
 fn wavelets() -> BuildOptions {
     BuildOptions::default().with_structure(StructureKind::Wavelet)
+}
+
+fn wavelet_mesh(model: &Model) -> &Arc<WaveletMesh> {
+    model.baked().as_any().downcast_ref::<Baked<WaveletMesh>>().unwrap().structure()
 }
 
 /// An icosahedron whose faces are split but as good as flat.
@@ -55,8 +57,7 @@ fn every_level_wears_the_same_texture() {
     let model = model(&flat_faces(4), &wavelets());
     assert_eq!(model.texture().unwrap().size, [1024; 2]);
     let place = glam::Mat4::IDENTITY.to_cols_array_2d();
-    let mut stage =
-        Stage::new(gpu.clone(), Arc::clone(&model), &[place], LodSettings::default(), LENS.size, 1);
+    let mut stage = Stage::new(gpu.clone(), Arc::clone(&model), &[place], shared(), LENS.size, 1).unwrap();
     let pose = pose(&model, 0.5);
     let look = Look { shading: Shading::Texture, flat: true, ..pose.look(&LENS, 2.0) };
     let pictures = [3.0, 0.0].map(|tolerance| {
@@ -95,7 +96,7 @@ fn coordinates_of_its_own_stay_where_asked_for() {
 #[test]
 fn vertices_say_their_level_and_error() {
     let model = model(&shapes::rock(1_280, 2), &wavelets());
-    let mesh = model.wavelets().unwrap();
+    let mesh = wavelet_mesh(&model);
     let of = mesh.subdivision();
     assert_eq!(of.depth(), 3);
     assert_eq!(model.vertices().len(), of.vertex_count());
@@ -117,42 +118,39 @@ fn vertices_say_their_level_and_error() {
 #[test]
 fn settings_reach_instances() {
     let model = model(&shapes::rock(20_480, 2), &wavelets());
-    let mesh = model.wavelets().unwrap();
+    let mesh = wavelet_mesh(&model);
     let views = [view(&pose(&model, 0.0), 2.0).of_world()];
     let mut triangles = Vec::new();
     for triangulation in [Triangulation::Exact, Triangulation::Minimal] {
-        for storage in [Storage::Static, Storage::Compact] {
-            let settings = LodSettings::default().with_triangulation(triangulation).with_storage(storage);
-            let mut instance = WaveletInstance::new(mesh, model.vertices(), &settings).unwrap();
-            let drawing = *instance.drawn().drawing();
-            assert_eq!((drawing.triangulation, drawing.packed), (triangulation, storage == Storage::Compact));
-            instance.adapt(&views);
-            let own = WaveletLod::new(Arc::clone(mesh), Arc::clone(model.vertices()), &drawing).unwrap();
-            let mut own: WaveletLod<Vertex> = own;
-            own.adapt(&views);
+        for options in [shared(), LodOptions::default()] {
+            let options = options.with_triangulation(triangulation);
+            let mut instance = model.instance(&options).unwrap();
+            assert_eq!(instance.options(), &options);
+            assert_eq!(instance.vertices().is_some(), options.buffer == VertexBuffer::Packed);
+            instance.adapt(&views, 1.0 / 60.0);
+            let mut own = WaveletLod::new(Arc::clone(mesh), model.vertices().clone(), &options).unwrap();
+            own.adapt(&views, 1.0 / 60.0);
             assert_eq!(instance.triangles(0), own.triangles(0));
-            assert_eq!(instance.drawn().values(), own.values());
+            assert_eq!(instance.vertex_bytes(), own.vertex_bytes());
             triangles.push(instance.triangles(0).len());
-            // Another kind is another instance; limits are not.
-            assert!(!instance.set(&settings.with_geomorph(Some(0.1))));
-            assert!(instance.set(&settings.with_limits(LodOptions::default().with_triangles(Some(600)))));
-            assert!(instance.adapt(&views).triangles <= 600);
+            // All of it may change under way.
+            instance.set_options(&moving(options, 0.1).with_triangles(600)).unwrap();
+            assert!(instance.adapt(&views, 1.0 / 60.0).triangles <= 600);
         }
     }
     assert!(triangles[0] > triangles[2], "{triangles:?}");
 
     // A transition lasts as long as it says, also where that changes under way.
     for (seconds, then, frames) in [(0.5, 0.5, 30), (1.0, 0.25, 15), (0.1, 0.1, 6)] {
-        let settings = LodSettings::default().with_geomorph(Some(seconds));
-        let mut instance = WaveletInstance::new(mesh, model.vertices(), &settings).unwrap();
+        let mut instance = model.instance(&moving(shared(), seconds)).unwrap();
         // The first look from anywhere shows things as they are; a closer one moves.
-        instance.adapt(&views);
+        instance.adapt(&views, 1.0 / 60.0);
         instance.settle();
-        assert!(instance.set(&settings.with_geomorph(Some(then))));
+        instance.set_options(&moving(shared(), then)).unwrap();
         let views = [view(&pose(&model, 0.0), 0.5).of_world()];
         let mut took = 0;
         loop {
-            let change = instance.adapt(&views);
+            let change = instance.adapt(&views, 1.0 / 60.0);
             if change.moving == 0 {
                 break;
             }
@@ -169,9 +167,9 @@ fn bounds_are_those_asked_for() {
     let narrow = wavelets().with_wavelets(WaveletOptions::default().with_bound(ErrorBound::WithoutSiblings));
     let triangles = [wavelets(), narrow].map(|options| {
         let model = model(&rock, &options);
-        assert_eq!(model.wavelets().unwrap().options(), &options.wavelets);
-        let mut instance = model.instance(&LodSettings::default());
-        instance.lod_mut().adapt(&[view(&pose(&model, 0.0), 2.0).of_world()]).triangles
+        assert_eq!(wavelet_mesh(&model).options(), &options.wavelets);
+        let mut instance = model.instance(&shared()).unwrap();
+        instance.adapt(&[view(&pose(&model, 0.0), 2.0).of_world()], 1.0 / 60.0).triangles
     });
     assert!(triangles[0] >= triangles[1], "{triangles:?}");
 }

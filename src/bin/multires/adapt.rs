@@ -4,19 +4,20 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use multires::adapt::{Change, LevelOfDetail, LodOptions};
+use multires::adapt::Change;
+use multires::lod::{Lod, LodOptions, VertexBuffer};
 use multires::view::ObjectView;
 use serde_json::json;
 
 use crate::camera::{Camera, Point, point};
-use crate::model::Style;
+use crate::files;
+use crate::model::{Model, Style};
 use crate::output::{Answer, Failure, Run, Table, percent};
-use crate::{files, simplify};
 
-/// Write what a view asks for of a baked hierarchy or wavelet mesh as a mesh.
+/// Write what a view asks for of a baked model as a mesh.
 ///
-/// Fine where the view needs it, coarse where it is far, outside the picture or faces away. What is baked is made by
-/// `build --structure hierarchy` and `build --structure wavelet`.
+/// Of a hierarchy and of wavelets: fine where the view needs it, coarse where it is far, outside the picture or faces away. Of a
+/// totally ordered mesh: the level that its nearest point asks for. What is baked is made by `build`.
 #[derive(Args)]
 pub struct Adapt {
     /// The baked file.
@@ -45,8 +46,8 @@ const HALVINGS: usize = 30;
 const COARSEST: f64 = 64.0;
 
 /// Adapts, as coarse as a budget asks for. By how much tolerances were multiplied, and what it did.
-fn adapt(lod: &mut dyn LevelOfDetail, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
-    let mut at = |octaves: f64| lod.adapt(&[view.coarsened(octaves.exp2())]);
+fn adapt(lod: &mut dyn Lod, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
+    let mut at = |octaves: f64| lod.adapt(&[view.coarsened(octaves.exp2())], 0.0);
     let change = at(0.0);
     let budget = budget.unwrap_or(usize::MAX);
     if change.triangles <= budget {
@@ -63,25 +64,26 @@ fn adapt(lod: &mut dyn LevelOfDetail, view: &ObjectView, budget: Option<usize>) 
 impl Run for Adapt {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_mesh_output(&self.output)?;
-        let model = files::read_model(&self.input)?;
+        let model = Model::read(&self.input)?;
         let place = self.camera.place(&model);
         let view = self.camera.view(&place, self.eye, self.target)?;
 
-        let mut instance = model.instance(&self.style, false, LodOptions::default())?;
+        let options = LodOptions::default().with_buffer(VertexBuffer::Shared);
+        let mut lod = model.instance(&self.style, options)?;
         let start = Instant::now();
-        let (factor, change) = adapt(instance.lod(), &view, self.budget);
+        let (factor, change) = adapt(&mut *lod, &view, self.budget);
         let seconds = start.elapsed().as_secs_f64();
-        let mesh = model.mesh_at(&instance);
+        let mesh = lod.to_mesh();
         files::write_mesh(&self.output, &mesh)?;
 
-        let [all, base] = model.triangles();
+        let [all, base] = model.0.triangle_counts();
         let of = percent(mesh.triangles().len() as f64, all as f64);
-        let (refinements, refined) = model.refined(&instance);
+        let refinements = lod.refinements();
         let mut warnings = Vec::new();
         if self.budget.is_some_and(|budget| change.triangles > budget) {
             warnings.push(format!("{} triangles is as coarse as this view gets", change.triangles));
         }
-        let mut json = json!({
+        let json = json!({
             "command": "adapt",
             "input": {
                 "path": self.input.display().to_string(),
@@ -96,12 +98,12 @@ impl Run for Adapt {
             "budget": self.budget,
             "coarsened": factor,
             "ratio": of.map(|p| p / 100.0),
-            "triangulation": model.triangulation(&self.style),
+            "triangulation": self.style.name(&model),
             "tests": change.cut.tests,
+            "refinements": refinements,
             "seconds": seconds,
             "warnings": warnings,
         });
-        simplify::add(&mut json, [(refinements, json!(refined))]);
         let mut table = Table::default();
         table.row("input", format!("{}: {all} triangles", self.input.display()));
         table.row("output", files::describe_text(&self.output, &mesh));
@@ -110,7 +112,7 @@ impl Run for Adapt {
         if factor > 1.0 {
             table.row("tolerances", format!("{factor:.3} times as large, for the budget"));
         }
-        table.row(&format!("tests, {refinements}"), format!("{}, {refined}", change.cut.tests));
+        table.row("tests, refinements", format!("{}, {refinements}", change.cut.tests));
         Ok(Answer { json, text: table.text(), warnings })
     }
 }

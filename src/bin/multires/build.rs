@@ -4,21 +4,23 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use multires::hierarchy::{Dependencies, HierarchyMesh};
-use multires::io;
+use multires::hierarchy::{Dependencies, HierarchyOptions, VertexHierarchy};
+use multires::lod::{FromSequence, Structure as _};
 use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, Normals, NormalsDone};
-use multires::tom::TomMesh;
+use multires::tom::{TomOptions, TotallyOrderedMesh};
 use multires::view::ErrorShape;
 use multires::wavelet::{
     Component, ErrorBound, WaveletError, WaveletMesh, WaveletOptions, recognise_across_seams,
 };
 use serde_json::{Value, json};
 
-use crate::output::{Answer, Failure, Run, Table, error_text, percent};
+use crate::facts::Facts;
+use crate::model::Model;
+use crate::output::{Answer, Failure, Run, Table};
 use crate::progress::Bar;
 use crate::rules::{self, Given, Place};
-use crate::{files, info, simplify};
+use crate::{files, simplify};
 
 /// Bake all levels of detail of a mesh into one file.
 ///
@@ -98,12 +100,27 @@ impl Run for Build {
             }
             Ok(())
         };
-        only_for(self.dependencies.is_some(), "--dependencies", Structure::Hierarchy, HierarchyMesh::KIND)?;
-        only_for(self.bound.is_some(), "--bound", Structure::Wavelet, WaveletMesh::KIND)?;
-        only_for(self.shape.is_some(), "--shape", Structure::Wavelet, WaveletMesh::KIND)?;
+        only_for(self.dependencies.is_some(), "--dependencies", Structure::Hierarchy, "hierarchy")?;
+        only_for(self.bound.is_some(), "--bound", Structure::Wavelet, "wavelet")?;
+        only_for(self.shape.is_some(), "--shape", Structure::Wavelet, "wavelet")?;
         match self.structure {
-            Structure::Tom => self.tom(),
-            Structure::Hierarchy => self.hierarchy(),
+            Structure::Tom => {
+                let place = self.given.rules.placement.unwrap_or(Place::Endpoint);
+                if place != Place::Endpoint {
+                    let reason = "--structure tom needs --placement endpoint: substitution of vertices makes no new ones";
+                    return Err(Failure::Usage(reason.to_owned()));
+                }
+                self.of_sequence::<TotallyOrderedMesh>(place, &TomOptions::default())
+            }
+            Structure::Hierarchy => {
+                let dependencies = match self.dependencies {
+                    None | Some(Needs::None) => Dependencies::None,
+                    Some(Needs::Adjacent) => Dependencies::Adjacent,
+                    Some(Needs::Neighbours) => Dependencies::Neighbours,
+                };
+                let options = HierarchyOptions::default().with_dependencies(dependencies);
+                self.of_sequence::<VertexHierarchy>(self.given.rules.place(), &options)
+            }
             Structure::Wavelet => self.wavelet(),
         }
     }
@@ -142,101 +159,32 @@ impl Build {
         Ok(Simplified { input, input_text, notes, mesh, sequence, start })
     }
 
-    fn tom(&self) -> Result<Answer, Failure> {
-        let place = self.given.rules.placement.unwrap_or(Place::Endpoint);
-        if place != Place::Endpoint {
-            let reason =
-                "--structure tom needs --placement endpoint: substitution of vertices makes no new ones";
-            return Err(Failure::Usage(reason.to_owned()));
-        }
+    /// A model of a simplification, by a placement.
+    fn of_sequence<S: FromSequence + Stored>(
+        &self,
+        place: Place,
+        options: &S::Options,
+    ) -> Result<Answer, Failure> {
         let Simplified { input, input_text, notes, mesh, sequence, start } = self.simplified(place)?;
-        let bundle = TomMesh::new(&mesh, &sequence).map_err(Failure::input)?;
-        let seconds = start.elapsed().as_secs_f64();
-        io::write_baked(&self.output, TomMesh::KIND, &bundle)
-            .map_err(|error| files::baked(&self.output, &error))?;
-
-        let tom = bundle.tom();
-        let diagonal = mesh.diagonal();
-        let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-        let bytes = files::size(&self.output);
-        let mut json = json!({
-            "command": "build",
-            "structure": TomMesh::KIND,
-            "input": input,
-            "output": { "path": self.output.display().to_string(), "bytes": bytes },
-            "finest": info::level(tom.finest(), diagonal),
-            "coarsest": info::level(tom.coarsest(), diagonal),
-            "steps": sequence.len(),
-            "memory": bundle.memory(),
-            "memory_percent": share,
-            "stop": rules::stop_name(sequence.report().stop),
-            "refusals": rules::refusals(sequence.report()),
-            "given_up": rules::given_up(sequence.report()),
-            "parts_removed": sequence.report().parts_removed,
-            "seconds": seconds,
-            "warnings": notes,
-        });
-        simplify::add(&mut json, self.given.rules.describe(place));
-
-        let coarsest = tom.coarsest();
-        let error = f64::from(coarsest.error());
-        let mut table = Table::default();
-        table.row("input", input_text);
-        table.row("output", format!("{}: {bytes} bytes", self.output.display()));
-        for (label, resolution) in [("finest", tom.finest()), ("coarsest", coarsest)] {
-            let (vertices, triangles) = (resolution.vertices(), resolution.triangles());
-            table.row(label, format!("{vertices} vertices, {triangles} triangles"));
+        let bar = Bar::new("building");
+        let baked = S::bake_sequence(&mesh, &sequence, options, &mut |share| bar.share(share));
+        drop(bar);
+        let baked = baked.map_err(Failure::input)?;
+        let report = sequence.report();
+        let mut members = vec![
+            ("steps", json!(sequence.len())),
+            ("stop", json!(rules::stop_name(report.stop))),
+            ("refusals", json!(rules::refusals(report))),
+            ("given_up", json!(rules::given_up(report))),
+            ("parts_removed", json!(report.parts_removed)),
+        ];
+        members.extend(self.given.rules.describe(place));
+        let mut rows = Table::default();
+        if let Some(given_up) = rules::given_up_text(report) {
+            rows.row("gave", given_up);
         }
-        table.row("error of coarsest", error_text(error, percent(error, diagonal)));
-        let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
-        table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
-        if let Some(given_up) = rules::given_up_text(sequence.report()) {
-            table.row("gave", given_up);
-        }
-        table.row("by", self.given.rules.describe_text(place));
-        table.row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings: notes })
-    }
-    fn hierarchy(&self) -> Result<Answer, Failure> {
-        let place = self.given.rules.place();
-        let Simplified { input, input_text, notes, mesh, sequence, start } = self.simplified(place)?;
-        let dependencies = match self.dependencies {
-            None | Some(Needs::None) => Dependencies::None,
-            Some(Needs::Adjacent) => Dependencies::Adjacent,
-            Some(Needs::Neighbours) => Dependencies::Neighbours,
-        };
-        let bundle = HierarchyMesh::new(&mesh, &sequence, dependencies).map_err(Failure::input)?;
-        let seconds = start.elapsed().as_secs_f64();
-        io::write_baked(&self.output, HierarchyMesh::KIND, &bundle)
-            .map_err(|error| files::baked(&self.output, &error))?;
-
-        let bytes = files::size(&self.output);
-        let mut json = json!({
-            "command": "build",
-            "structure": HierarchyMesh::KIND,
-            "input": input,
-            "output": { "path": self.output.display().to_string(), "bytes": bytes },
-            "steps": sequence.len(),
-            "stop": rules::stop_name(sequence.report().stop),
-            "refusals": rules::refusals(sequence.report()),
-            "given_up": rules::given_up(sequence.report()),
-            "parts_removed": sequence.report().parts_removed,
-            "seconds": seconds,
-            "warnings": notes,
-        });
-        simplify::add(&mut json, info::hierarchy(&bundle));
-        simplify::add(&mut json, self.given.rules.describe(place));
-
-        let mut table = Table::default();
-        table.row("input", input_text);
-        table.row("output", format!("{}: {bytes} bytes", self.output.display()));
-        info::hierarchy_rows(&mut table, &bundle);
-        if let Some(given_up) = rules::given_up_text(sequence.report()) {
-            table.row("gave", given_up);
-        }
-        table.row("by", self.given.rules.describe_text(place));
-        table.row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings: notes })
+        rows.row("by", self.given.rules.describe_text(place));
+        self.answer(Built { model: Model(Box::new(baked)), start, input, input_text, notes, members, rows })
     }
 
     fn wavelet(&self) -> Result<Answer, Failure> {
@@ -255,44 +203,70 @@ impl Build {
         };
         let options = WaveletOptions::default().with_bound(bound).with_shape(shape);
         let start = Instant::now();
-        let bundle = WaveletMesh::recognise(&mesh, &options).map_err(|error| match error {
+        let bar = Bar::new("building");
+        let baked = WaveletMesh::bake_with(&mesh, &options, |share| bar.share(share));
+        drop(bar);
+        let baked = baked.map_err(|error| match error {
             WaveletError::NoConnectivity { .. } => {
                 Failure::Input(format!("{}: {error}; {WAY_OUT}", self.input.display()))
             }
             _ => Failure::Input(format!("{}: {error}", self.input.display())),
         })?;
-        let seconds = start.elapsed().as_secs_f64();
         let components = recognise_across_seams(&mesh).components;
-        io::write_baked(&self.output, WaveletMesh::KIND, &bundle)
-            .map_err(|error| files::baked(&self.output, &error))?;
+        let mut notes = imported.notes;
+        notes.extend(rigid(&components));
+        let members = vec![("components", components.iter().map(component).collect())];
+        let mut rows = Table::default();
+        for component in components.iter().take(LISTED) {
+            rows.row("component", component);
+        }
+        if components.len() > LISTED {
+            rows.row("component", format!("... {} in all", components.len()));
+        }
+        self.answer(Built { model: Model(Box::new(baked)), start, input, input_text, notes, members, rows })
+    }
 
-        let mut warnings = imported.notes;
-        warnings.extend(rigid(&components));
+    /// Writes what was built, and says what it is.
+    fn answer(&self, built: Built) -> Result<Answer, Failure> {
+        let Built { model, start, input, input_text, notes, members, rows } = built;
+        let seconds = start.elapsed().as_secs_f64();
+        model.0.write(&self.output).map_err(|error| files::baked(&self.output, &error))?;
         let bytes = files::size(&self.output);
+        let facts = Facts::new(&model);
         let mut json = json!({
             "command": "build",
-            "structure": WaveletMesh::KIND,
+            "structure": model.0.kind(),
             "input": input,
             "output": { "path": self.output.display().to_string(), "bytes": bytes },
-            "components": components.iter().map(component).collect::<Vec<_>>(),
             "seconds": seconds,
-            "warnings": warnings,
+            "warnings": notes,
         });
-        simplify::add(&mut json, info::wavelet(&bundle));
-
+        simplify::add(&mut json, facts.members);
+        simplify::add(&mut json, members);
         let mut table = Table::default();
         table.row("input", input_text);
         table.row("output", format!("{}: {bytes} bytes", self.output.display()));
-        for component in components.iter().take(LISTED) {
-            table.row("component", component);
-        }
-        if components.len() > LISTED {
-            table.row("component", format!("... {} in all", components.len()));
-        }
-        info::wavelet_rows(&mut table, &bundle);
+        table.block(facts.rows.text());
+        table.block(rows.text());
         table.row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings })
+        Ok(Answer { json, text: table.text(), warnings: notes })
     }
+}
+
+/// A structure that files can hold.
+trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
+
+impl<T: serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
+
+/// What was built, and what is to be said of it besides.
+struct Built {
+    model: Model,
+    start: Instant,
+    input: Value,
+    input_text: String,
+    notes: Vec<String>,
+    members: Vec<(&'static str, Value)>,
+    rows: Table,
 }
 
 /// What to do with a mesh that is no subdivision.

@@ -71,13 +71,13 @@ pub struct Place {
 impl Camera {
     /// Where places are counted from, and in what.
     pub fn place(&self, model: &Model) -> Place {
-        match (self.units, model.bounds()) {
+        match (self.units, model.0.bounds()) {
             (Units::Diagonal, Some([low, high])) => {
                 let [low, high] = [low, high].map(|p| p.map(f64::from));
                 let square: f64 = (0..3).map(|i| (high[i] - low[i]).powi(2)).sum();
                 Place { origin: std::array::from_fn(|i| (low[i] + high[i]) * 0.5), unit: square.sqrt() }
             }
-            _ => Place { origin: model.origin().map(|x| -x), unit: 1.0 },
+            _ => Place { origin: model.vertices().origin().map(|x| -x), unit: 1.0 },
         }
     }
 

@@ -4,21 +4,22 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use multires::Baked;
 use multires::adapt::Refinements;
-use multires::tom::{Level, TomMesh};
+use multires::lod::{Extracted, Level};
 use multires::wavelet::{Normals, WaveletMesh};
 use serde_json::json;
 
-use crate::model::Style;
+use crate::model::{Model, Style};
 use crate::output::{Answer, Failure, Run, Table, error_text, percent};
 use crate::rules::{not_negative, share};
-use crate::{files, info};
+use crate::{facts, files};
 
 /// Write a level of detail from a baked file as a mesh.
 ///
 /// What comes out is the finest level that does not exceed what is asked for, and never less than the base mesh; the
-/// answer says which one it is. Of a wavelet mesh, numbers of triangles take the wavelets with the largest bounds, as many as fit.
-/// Baked hierarchies have views (`adapt`) and no levels.
+/// answer says which one it is. Of hierarchies and wavelet meshes, numbers of triangles take the splits or wavelets with the
+/// largest bounds, as many as fit.
 #[derive(Args)]
 pub struct Extract {
     /// The baked file.
@@ -68,27 +69,26 @@ struct Asked {
 }
 
 impl Asked {
-    /// Of a totally ordered mesh.
-    fn level(&self, bundle: &TomMesh, diagonal: f64) -> Result<Level, Failure> {
+    /// Of a model whose vertices are counted.
+    fn level(&self, model: &Model) -> Result<Level, Failure> {
         if self.level.is_some_and(|level| level > 1.0) {
-            return Err(Failure::Usage("--level of a totally ordered mesh is from 0 to 1".to_owned()));
+            return Err(Failure::Usage("--level of this structure is from 0 to 1".to_owned()));
         }
-        let tom = bundle.tom();
-        let base = tom.coarsest().vertices();
-        let every = tom.vertex_count();
         Ok(if let Some(triangles) = self.triangles {
             Level::Triangles(triangles)
         } else if let Some(vertices) = self.vertices {
             Level::Vertices(vertices)
         } else if let Some(ratio) = self.ratio {
-            Level::Triangles((ratio * tom.triangle_count() as f64) as usize)
+            Level::Triangles((ratio * model.0.triangle_counts()[0] as f64) as usize)
         } else if let Some(error) = self.error {
             Level::Error(round_down(error))
         } else if let Some(percent) = self.error_percent {
-            Level::Error(round_down(percent / 100.0 * diagonal))
+            Level::Error(round_down(percent / 100.0 * model.diagonal()))
         } else {
+            let base = facts::coarsest(model).mesh.positions().len();
+            let every = model.0.finest_vertex_count();
             let share = self.level.unwrap_or(1.0);
-            Level::Vertices(base + (share * (every - base) as f64).round() as usize)
+            Level::Vertices(base + (share * every.saturating_sub(base) as f64).round() as usize)
         })
     }
 
@@ -137,39 +137,37 @@ pub fn round_down(x: f64) -> f32 {
 impl Run for Extract {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_mesh_output(&self.output)?;
-        let (bytes, kind) = files::read_baked(&self.input)?;
-        if kind == WaveletMesh::KIND {
-            return self.wavelet(&files::wavelet(&self.input, &bytes)?);
+        let model = Model::read(&self.input)?;
+        if let Some(wavelets) = model.0.as_any().downcast_ref::<Baked<WaveletMesh>>() {
+            return self.wavelet(&model, wavelets.structure());
         }
-        let bundle = files::tom(&self.input, &bytes)?;
-        drop(bytes);
-        self.style.check_unused()?;
+        self.style.check(&model)?;
         if self.normals.is_some() {
             return Err(Failure::Usage("--normals is for wavelet meshes".to_owned()));
         }
-        let tom = bundle.tom();
-        let diagonal = bundle.mesh_at(tom.finest()).diagonal();
-
         let start = Instant::now();
-        let resolution = tom.at(self.asked.level(&bundle, diagonal)?);
-        let mesh = bundle.mesh_at(resolution);
+        let Extracted { mesh, error, .. } = model.0.level(self.asked.level(&model)?);
         let seconds = start.elapsed().as_secs_f64();
         files::write_mesh(&self.output, &mesh)?;
 
-        let error = f64::from(resolution.error());
-        let error_percent = percent(error, diagonal);
-        let of = percent(mesh.triangles().len() as f64, tom.triangle_count() as f64);
+        let diagonal = model.diagonal();
+        let [all, _] = model.0.triangle_counts();
+        let coarsest = facts::coarsest(&model);
+        let base = &coarsest.mesh;
+        let error_percent = percent(f64::from(error), diagonal);
+        let of = percent(mesh.triangles().len() as f64, all as f64);
         let json = json!({
             "command": "extract",
             "input": {
                 "path": self.input.display().to_string(),
                 "bytes": files::size(&self.input),
-                "finest": info::level(tom.finest(), diagonal),
-                "coarsest": info::level(tom.coarsest(), diagonal),
+                "finest": facts::counts(model.0.finest_vertex_count(), all, 0.0, diagonal),
+                "coarsest":
+                    facts::counts(base.positions().len(), base.triangles().len(), coarsest.error, diagonal),
             },
             "output": files::describe(&self.output, &mesh),
             "ratio": of.map(|p| p / 100.0),
-            "error": resolution.error(),
+            "error": error,
             "error_percent": error_percent,
             "seconds": seconds,
         });
@@ -177,13 +175,13 @@ impl Run for Extract {
         table.row("input", self.input.display());
         table.row("output", files::describe_text(&self.output, &mesh));
         table.row("of the finest", format!("{:.2} % of the triangles", of.unwrap_or(100.0)));
-        table.row("error", error_text(error, error_percent));
+        table.row("error", error_text(f64::from(error), error_percent));
         Ok(Answer { json, text: table.text(), warnings: Vec::new() })
     }
 }
 
 impl Extract {
-    fn wavelet(&self, bundle: &WaveletMesh) -> Result<Answer, Failure> {
+    fn wavelet(&self, model: &Model, bundle: &WaveletMesh) -> Result<Answer, Failure> {
         let of = bundle.subdivision();
         let normals = match self.normals {
             None | Some(Source::Kept) => Normals::Kept,
@@ -216,8 +214,8 @@ impl Extract {
             "deepest_level": deepest,
             "error": error,
             "error_percent": error_percent,
-            "bound": info::bound(bundle),
-            "triangulation": self.style.name(),
+            "bound": facts::bound(bundle),
+            "triangulation": self.style.name(model),
             "normals": if normals == Normals::Kept { "kept" } else { "recomputed" },
             "seconds": seconds,
         });
@@ -230,7 +228,7 @@ impl Extract {
             format!("{count} of {}, down to level {deepest} of {}", of.wavelet_count(), of.depth()),
         );
         let error = error_text(f64::from(error), error_percent);
-        table.row("error", format!("{error}, {} bound", info::bound(bundle)));
+        table.row("error", format!("{error}, {} bound", facts::bound(bundle)));
         Ok(Answer { json, text: table.text(), warnings: Vec::new() })
     }
 }

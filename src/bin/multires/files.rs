@@ -1,16 +1,11 @@
 //! What is read and written: reasons that name the file, and outputs that are checked before the work starts.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use multires::hierarchy::HierarchyMesh;
 use multires::io::{self, BakeError, Format, Imported, ReadError, ReadOptions};
 use multires::mesh::Mesh;
-use multires::tom::TomMesh;
-use multires::wavelet::WaveletMesh;
 use serde_json::{Value, json};
 
-use crate::model::Model;
 use crate::output::Failure;
 
 /// Reads a mesh file.
@@ -19,38 +14,6 @@ pub fn read_mesh(path: &Path) -> Result<Imported, Failure> {
         ReadError::Io { .. } | ReadError::UnknownFormat { .. } => Failure::input(error),
         _ => Failure::Input(format!("{}: {error}", path.display())),
     })
-}
-
-/// Reads a baked file, and what kind of structure is in it.
-pub fn read_baked(path: &Path) -> Result<(Vec<u8>, String), Failure> {
-    let bytes = std::fs::read(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
-    let kind = io::baked_kind(&bytes).map_err(|e| baked(path, &e))?;
-    Ok((bytes, kind))
-}
-
-/// The totally ordered mesh in a baked file.
-pub fn tom(path: &Path, bytes: &[u8]) -> Result<TomMesh, Failure> {
-    io::unbake(TomMesh::KIND, bytes).map_err(|error| baked(path, &error))
-}
-
-/// The hierarchy in a baked file.
-pub fn hierarchy(path: &Path, bytes: &[u8]) -> Result<HierarchyMesh, Failure> {
-    io::unbake(HierarchyMesh::KIND, bytes).map_err(|error| baked(path, &error))
-}
-
-/// The wavelet mesh in a baked file.
-pub fn wavelet(path: &Path, bytes: &[u8]) -> Result<WaveletMesh, Failure> {
-    io::unbake(WaveletMesh::KIND, bytes).map_err(|error| baked(path, &error))
-}
-
-/// Reads a baked structure that follows the view.
-pub fn read_model(path: &Path) -> Result<Model, Failure> {
-    let (bytes, kind) = read_baked(path)?;
-    if kind == WaveletMesh::KIND {
-        Ok(Model::Wavelet(Arc::new(wavelet(path, &bytes)?)))
-    } else {
-        Ok(Model::Hierarchy(hierarchy(path, &bytes)?))
-    }
 }
 
 /// A reason that names the file once.

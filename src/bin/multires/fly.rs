@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use multires::adapt::{LevelOfDetail, LodOptions};
 use multires::io::atomic;
+use multires::lod::{Lod, LodOptions, VertexBuffer};
 use serde_json::{Value, json};
 
 use crate::camera::Camera;
@@ -15,12 +15,12 @@ use crate::model::{Model, Style};
 use crate::output::{Answer, Failure, Run, Table};
 use crate::path;
 
-/// Fly along a camera path over a baked hierarchy or wavelet mesh, and write what every frame drew and cost.
+/// Fly along a camera path over a baked model, and write what every frame drew and cost.
 ///
 /// One row a frame: frame, triangles and vertices drawn; tests, splits and collapses made; microseconds they took; bytes
-/// of buffers that changed and have to be uploaded. The first frame starts from the base mesh, all of it new. Splits and
-/// collapses of a wavelet mesh are wavelets that come and go; its vertices have positions, and normals where there are any, and
-/// change where a neighbour comes or goes.
+/// of buffers that changed and have to be uploaded, vertices with all that the mesh has. The first frame starts from the base
+/// mesh, all of it new. Splits and collapses of a wavelet mesh are wavelets that come and go, and its vertices change where a
+/// neighbour comes or goes; those of a totally ordered mesh are vertices.
 #[derive(Args)]
 pub struct Fly {
     /// The baked file.
@@ -37,7 +37,7 @@ pub struct Fly {
     /// At most so many triangles in any frame, the base mesh's at least: the most urgent for the view.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
-    /// At most so many splits and collapses a frame; the rest is carried over.
+    /// At most so many splits and collapses a frame, of a totally ordered mesh vertices but one step at least; the rest is carried over.
     #[arg(long, value_name = "M")]
     operations: Option<usize>,
     #[command(flatten)]
@@ -46,6 +46,9 @@ pub struct Fly {
     #[arg(long, value_name = "FRAMES.csv")]
     csv: PathBuf,
 }
+
+/// Seconds from frame to frame.
+const SECONDS: f32 = 1.0 / 60.0;
 
 /// Columns of the table, after the frame's number.
 const COLUMNS: [&str; 7] =
@@ -60,7 +63,7 @@ struct Used {
 }
 
 impl Used {
-    fn count(&mut self, lod: &dyn LevelOfDetail) -> usize {
+    fn count(&mut self, lod: &dyn Lod) -> usize {
         self.frame += 1;
         let mut count = 0;
         for &index in (0..lod.groups()).flat_map(|group| lod.triangles(group).as_flattened()) {
@@ -76,7 +79,7 @@ impl Used {
 }
 
 /// Bytes written since the last call.
-fn bytes_changed(lod: &mut dyn LevelOfDetail, per_vertex: usize) -> usize {
+fn bytes_changed(lod: &mut dyn Lod, per_vertex: usize) -> usize {
     let triangles = (0..lod.groups()).flat_map(|group| lod.dirty_triangles(group, 0));
     let triangles: usize = triangles.map(|range| range.len()).sum();
     let vertices: usize = lod.dirty_vertices(0).map(|range| range.len()).sum();
@@ -99,10 +102,14 @@ impl Fly {
     /// The columns of every frame, and the frame's number before them.
     fn frames(&self, model: &Model, poses: &[path::Pose]) -> Result<Vec<(u64, [f64; 7])>, Failure> {
         let place = self.camera.place(model);
-        let limits = LodOptions::default().with_triangles(self.budget).with_operations(self.operations);
-        let mut instance = model.instance(&self.style, self.packed, limits)?;
-        let per_vertex = model.bytes_per_vertex(&instance);
-        let lod = instance.lod();
+        let buffer = if self.packed { VertexBuffer::Packed } else { VertexBuffer::Shared };
+        let options = LodOptions::default()
+            .with_buffer(buffer)
+            .with_triangles(self.budget)
+            .with_operations(self.operations);
+        let mut lod = model.instance(&self.style, options)?;
+        let lod = &mut *lod;
+        let per_vertex = model.bytes_per_vertex();
         let mut used = Used::default();
         let mut rows = Vec::with_capacity(poses.len());
         for pose in poses {
@@ -112,7 +119,7 @@ impl Fly {
                 usage => usage,
             })?;
             let start = Instant::now();
-            let change = lod.adapt(&[view]);
+            let change = lod.adapt(&[view], SECONDS);
             let microseconds = start.elapsed().as_secs_f64() * 1e6;
             let counts = [change.triangles, used.count(lod), change.cut.tests, change.cut.splits];
             let [triangles, vertices, tests, splits] = counts.map(|count| count as f64);
@@ -128,10 +135,10 @@ impl Run for Fly {
     fn run(&self) -> Result<Answer, Failure> {
         files::check_place(&self.csv)?;
         let poses = path::read(&self.path)?;
-        let model = files::read_model(&self.input)?;
+        let model = Model::read(&self.input)?;
         let rows = self.frames(&model, &poses)?;
 
-        let [triangles, base_triangles] = model.triangles();
+        let [triangles, base_triangles] = model.0.triangle_counts();
         let mut csv = format!("frame,{}\n", COLUMNS.join(","));
         for (frame, row) in &rows {
             let _ = write!(csv, "{frame}");
@@ -174,7 +181,7 @@ impl Run for Fly {
             "output": { "path": self.csv.display().to_string(), "bytes": files::size(&self.csv) },
             "view": self.camera.describe(),
             "packed": self.packed,
-            "triangulation": model.triangulation(&self.style),
+            "triangulation": self.style.name(&model),
             "budget": self.budget,
             "operations": self.operations,
             "frames": rows.len(),

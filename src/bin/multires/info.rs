@@ -3,15 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use multires::hierarchy::{Dependencies, HierarchyMesh};
 use multires::io::{self, Format};
 use multires::mesh::{Attribute, AttributeValues, Mesh, Report};
-use multires::tom::{Resolution, TomMesh};
-use multires::view::ErrorShape;
-use multires::wavelet::{ErrorBound, WaveletMesh};
 use serde_json::{Value, json};
 
-use crate::output::{Answer, Failure, Run, Table, error_text, percent};
+use crate::facts::Facts;
+use crate::model::Model;
+use crate::output::{Answer, Failure, Run, Table};
 use crate::{files, simplify};
 
 /// Tell what is in a mesh file or a baked file.
@@ -73,240 +71,35 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
 }
 
 fn baked(path: &Path) -> Result<Answer, Failure> {
-    let (bytes, kind) = files::read_baked(path)?;
-    if kind == HierarchyMesh::KIND {
-        return Ok(baked_hierarchy(path, bytes.len(), &files::hierarchy(path, &bytes)?));
-    }
-    if kind == WaveletMesh::KIND {
-        return Ok(baked_wavelet(path, bytes.len(), &files::wavelet(path, &bytes)?));
-    }
-    let bundle: TomMesh = files::tom(path, &bytes)?;
-    let tom = bundle.tom();
-    let finest = bundle.mesh_at(tom.finest());
-    let diagonal = finest.diagonal();
-    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-    let marks: Vec<Value> =
-        tom.error_marks().iter().map(|m| json!({ "vertices": m.vertices, "error": m.error })).collect();
-    let json = json!({
+    let model = Model::read(path)?;
+    let Facts { members, rows } = Facts::new(&model);
+    let (vertices, bytes) = (model.vertices(), files::size(path));
+    let name = |id: u32| vertices.material_names().get(id as usize);
+    let materials = model.0.materials();
+    let list: Vec<Value> = materials.iter().map(|&id| json!({ "id": id, "name": name(id) })).collect();
+    let mut json = json!({
         "file": path.display().to_string(),
         "format": "mres",
-        "kind": kind,
+        "kind": model.0.kind(),
         "version": io::BAKED_VERSION,
-        "bytes": bytes.len(),
-        "finest": level(tom.finest(), diagonal),
-        "coarsest": level(tom.coarsest(), diagonal),
-        "error_marks": marks,
-        "attributes": attributes(&finest),
-        "materials": materials(&finest),
-        "bounds": finest.bounds(),
-        "diagonal": diagonal,
-        "memory": bundle.memory(),
-        "memory_percent": share,
+        "bytes": bytes,
+        "attributes": attributes(vertices),
+        "materials": list,
+        "bounds": model.0.bounds(),
+        "diagonal": model.diagonal(),
     });
+    simplify::add(&mut json, members);
 
     let mut table = Table::default();
     table.row("file", path.display());
-    table.row("kind", format!("{kind}, format version {}, {} bytes", io::BAKED_VERSION, bytes.len()));
-    for (label, resolution) in [("finest", tom.finest()), ("coarsest", tom.coarsest())] {
-        let (vertices, triangles) = (resolution.vertices(), resolution.triangles());
-        table.row(label, format!("{vertices} vertices, {triangles} triangles"));
+    let kind = model.0.kind();
+    table.row("kind", format!("{kind}, format version {}, {bytes} bytes", io::BAKED_VERSION));
+    table.block(rows.text());
+    common_rows(&mut table, vertices);
+    if !materials.is_empty() {
+        table.row("materials", materials.len());
     }
-    let worst = f64::from(tom.coarsest().error());
-    table.row("error of coarsest", error_text(worst, percent(worst, diagonal)));
-    table.row("error marks", tom.error_marks().len());
-    common_rows(&mut table, &finest);
-    let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
-    table.row("memory", format!("{} bytes, {share} % of the plain mesh", bundle.memory()));
     Ok(Answer { json, text: table.text(), warnings: Vec::new() })
-}
-
-fn baked_hierarchy(path: &Path, bytes: usize, bundle: &HierarchyMesh) -> Answer {
-    let hierarchy = bundle.hierarchy();
-    let file = Refined {
-        kind: HierarchyMesh::KIND,
-        vertices: bundle.vertices(),
-        materials: hierarchy.materials(),
-        bounds: bundle.bounds(),
-        diagonal: hierarchy.diagonal(),
-    };
-    let mut table = Table::default();
-    hierarchy_rows(&mut table, bundle);
-    file.answer(path, bytes, &self::hierarchy(bundle), &table)
-}
-
-fn baked_wavelet(path: &Path, bytes: usize, bundle: &WaveletMesh) -> Answer {
-    let file = Refined {
-        kind: WaveletMesh::KIND,
-        vertices: bundle.vertices(),
-        materials: bundle.materials(),
-        bounds: bundle.extent(),
-        diagonal: bundle.diagonal(),
-    };
-    let mut table = Table::default();
-    wavelet_rows(&mut table, bundle);
-    file.answer(path, bytes, &wavelet(bundle), &table)
-}
-
-/// What structures that follow the view have in common.
-struct Refined<'a> {
-    kind: &'a str,
-    vertices: &'a Mesh,
-    materials: &'a [u32],
-    bounds: Option<[[f32; 3]; 2]>,
-    diagonal: f64,
-}
-
-impl Refined<'_> {
-    /// With what the structure is besides.
-    fn answer(&self, path: &Path, bytes: usize, members: &[(&'static str, Value)], rows: &Table) -> Answer {
-        let Self { kind, vertices, materials, bounds, diagonal } = self;
-        let name = |id: u32| vertices.material_names().get(id as usize);
-        let list: Vec<Value> = materials.iter().map(|&id| json!({ "id": id, "name": name(id) })).collect();
-        let mut json = json!({
-            "file": path.display().to_string(),
-            "format": "mres",
-            "kind": kind,
-            "version": io::BAKED_VERSION,
-            "bytes": bytes,
-            "attributes": attributes(vertices),
-            "materials": list,
-            "bounds": bounds,
-            "diagonal": diagonal,
-        });
-        simplify::add(&mut json, members.iter().cloned());
-
-        let mut table = Table::default();
-        table.row("file", path.display());
-        table.row("kind", format!("{kind}, format version {}, {bytes} bytes", io::BAKED_VERSION));
-        table.block(rows.text());
-        common_rows(&mut table, vertices);
-        if !materials.is_empty() {
-            table.row("materials", materials.len());
-        }
-        Answer { json, text: table.text(), warnings: Vec::new() }
-    }
-}
-
-/// What a wavelet mesh is, for JSON.
-pub fn wavelet(bundle: &WaveletMesh) -> [(&'static str, Value); 11] {
-    let of = bundle.subdivision();
-    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-    let vertices = of.vertex_count();
-    let each = (vertices > 0).then(|| bundle.structure_memory() as f64 / vertices as f64);
-    let levels = (0..=of.depth()).map(|level| {
-        let end = of.wavelets_of(level).end;
-        json!({
-            "faces": of.faces_of(level).len(),
-            "wavelets": of.wavelets_of(level).len(),
-            "error": bundle.largest_left_out(|wavelet| wavelet < end),
-        })
-    });
-    [
-        ("levels", json!(of.depth())),
-        ("base_triangles", json!(of.base_face_count())),
-        ("wavelets", json!(of.wavelet_count())),
-        ("vertices", json!(vertices)),
-        ("triangles", json!(of.triangle_count())),
-        ("by_level", levels.collect()),
-        ("bound", json!(bound(bundle))),
-        ("shape", json!(shape(bundle))),
-        ("memory", json!(bundle.memory())),
-        ("memory_percent", json!(share)),
-        // Bytes a vertex of the finest level, beyond what the vertices are.
-        ("structure_bytes_per_vertex", json!(each)),
-    ]
-}
-
-/// The same for people.
-pub fn wavelet_rows(table: &mut Table, bundle: &WaveletMesh) {
-    let of = bundle.subdivision();
-    let vertices = of.vertex_count();
-    table.row("finest", format!("{vertices} vertices, {} triangles", of.triangle_count()));
-    table.row("coarsest", format!("{} base faces", of.base_face_count()));
-    table.row("wavelets", format!("{} on {} levels", of.wavelet_count(), of.depth()));
-    for level in 0..of.depth() {
-        let end = of.wavelets_of(level).end;
-        let error = f64::from(bundle.largest_left_out(|wavelet| wavelet < end));
-        table.row(&format!("error of level {level}"), error_text(error, percent(error, bundle.diagonal())));
-    }
-    table.row("bounds", format!("{}, {}", bound(bundle), shape(bundle)));
-    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-    let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
-    let each = bundle.structure_memory() as f64 / vertices.max(1) as f64;
-    let memory = bundle.memory();
-    table.row("memory", format!("{memory} bytes, {share} % of the plain mesh; structure {each:.1} a vertex"));
-}
-
-/// How bounds of a wavelet mesh were made.
-pub fn bound(bundle: &WaveletMesh) -> &'static str {
-    match bundle.options().bound {
-        ErrorBound::Conservative => "conservative",
-        ErrorBound::WithoutSiblings => "without-siblings",
-        _ => "other",
-    }
-}
-
-fn shape(bundle: &WaveletMesh) -> &'static str {
-    match bundle.options().shape {
-        ErrorShape::Spheroid => "spheroid",
-        ErrorShape::SphereAndCones => "hoppe",
-        _ => "other",
-    }
-}
-
-/// What a hierarchy is, for JSON.
-pub fn hierarchy(bundle: &HierarchyMesh) -> [(&'static str, Value); 8] {
-    let hierarchy = bundle.hierarchy();
-    let leaves = hierarchy.leaf_count();
-    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-    let overhead = (leaves > 0).then(|| hierarchy.overhead() as f64 / leaves as f64);
-    [
-        ("splits", json!(hierarchy.split_count())),
-        ("vertices", json!({ "finest": leaves, "all": hierarchy.vertex_count() })),
-        ("triangles", json!(hierarchy.triangle_count())),
-        ("base_triangles", json!(hierarchy.base_triangle_count())),
-        ("dependencies", json!(dependencies(hierarchy.dependencies()))),
-        ("memory", json!(bundle.memory())),
-        ("memory_percent", json!(share)),
-        // Bytes a vertex of the finest level, beyond the plain mesh's triangles.
-        ("structure_bytes_per_vertex", json!(overhead)),
-    ]
-}
-
-/// The same for people.
-pub fn hierarchy_rows(table: &mut Table, bundle: &HierarchyMesh) {
-    let hierarchy = bundle.hierarchy();
-    let (leaves, triangles) = (hierarchy.leaf_count(), hierarchy.triangle_count());
-    table.row("finest", format!("{leaves} vertices, {triangles} triangles"));
-    table.row("coarsest", format!("{} triangles", hierarchy.base_triangle_count()));
-    let made = hierarchy.vertex_count() - leaves;
-    table.row("splits", format!("{}, {made} new vertices", hierarchy.split_count()));
-    table.row("dependencies", dependencies(hierarchy.dependencies()));
-    let share = percent(bundle.memory() as f64, bundle.plain_memory() as f64);
-    let share = share.map_or(String::from("-"), |p| format!("{p:.1}"));
-    let each = hierarchy.overhead() as f64 / leaves.max(1) as f64;
-    let memory = bundle.memory();
-    table.row("memory", format!("{memory} bytes, {share} % of the plain mesh; structure {each:.1} a vertex"));
-}
-
-fn dependencies(dependencies: Dependencies) -> &'static str {
-    match dependencies {
-        Dependencies::None => "none",
-        Dependencies::Adjacent => "adjacent",
-        Dependencies::Neighbours => "neighbours",
-        _ => "other",
-    }
-}
-
-/// A resolution for JSON.
-pub fn level(resolution: Resolution, diagonal: f64) -> Value {
-    let error = resolution.error();
-    json!({
-        "vertices": resolution.vertices(),
-        "triangles": resolution.triangles(),
-        "error": error,
-        "error_percent": percent(f64::from(error), diagonal),
-    })
 }
 
 /// A report's counts and what follows from them.

@@ -23,6 +23,7 @@ mod build;
 mod camera;
 mod canvas;
 mod extract;
+mod facts;
 mod files;
 mod fly;
 mod info;

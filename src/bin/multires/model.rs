@@ -1,17 +1,20 @@
-//! A baked structure that follows the view, whichever it is: what `adapt` and `fly` need to know of it.
+//! A baked model, whatever its structure, and how the program draws it.
 
-use std::sync::Arc;
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use multires::adapt::{LevelOfDetail, LodOptions};
-use multires::hierarchy::{HierarchyLod, HierarchyMesh};
+use multires::io;
+use multires::lod::{Lod, LodOptions, Triangulation};
 use multires::mesh::{AttributeValues, Mesh, names};
-use multires::wavelet::{Drawing, Normals, Triangulation, WaveletLod, WaveletMesh};
 use serde_json::{Value, json};
 
 use crate::output::Failure;
+use crate::{files, rules};
 
-/// How wavelet meshes are drawn.
+/// A drawn vertex: its position, and its normal where there is one.
+pub type Vertex = [[f32; 3]; 2];
+
+/// How models are drawn.
 #[derive(Args)]
 pub struct Style {
     /// Triangles of a wavelet mesh: the sum of its wavelets as it is, which errors are known of (exact); or the fewest, without
@@ -35,144 +38,59 @@ impl Style {
         }
     }
 
-    /// The same in words.
-    pub fn name(&self) -> &'static str {
-        if self.triangulation == Some(Triangles::Minimal) { "minimal" } else { "exact" }
-    }
-
-    /// Refuses what was asked for of another structure.
-    pub fn check_unused(&self) -> Result<(), Failure> {
-        match self.triangulation {
-            None => Ok(()),
-            Some(_) => Err(Failure::Usage("--triangulation is for wavelet meshes".to_owned())),
+    /// The same in words; nothing for a model that has no choice.
+    pub fn name(&self, model: &Model) -> Value {
+        match self.triangulation() {
+            _ if !model.0.has_triangulations() => Value::Null,
+            Triangulation::Minimal => json!("minimal"),
+            _ => json!("exact"),
         }
     }
+
+    /// Refuses what was asked for of a model that has no choice.
+    pub fn check(&self, model: &Model) -> Result<(), Failure> {
+        if self.triangulation.is_none() || model.0.has_triangulations() {
+            return Ok(());
+        }
+        Err(Failure::Usage("--triangulation is for wavelet meshes".to_owned()))
+    }
 }
 
-/// A structure that follows the view.
-pub enum Model {
-    Hierarchy(HierarchyMesh),
-    Wavelet(Arc<WaveletMesh>),
-}
-
-/// One drawn instance of it.
-pub enum Instance {
-    Hierarchy(HierarchyLod),
-    /// With positions that are drawn, or with normals beside them.
-    Positions(WaveletLod<[f32; 3]>),
-    Normals(WaveletLod<[[f32; 3]; 2]>),
-}
+/// A baked model.
+pub struct Model(pub Box<dyn io::StoredModel<Vertex>>);
 
 impl Model {
-    /// What its positions are relative to.
-    pub fn origin(&self) -> [f64; 3] {
-        match self {
-            Self::Hierarchy(model) => model.vertices().origin(),
-            Self::Wavelet(model) => model.vertices().origin(),
-        }
+    /// Reads a baked file.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        io::read_model(path).map(Self).map_err(|error| files::baked(path, &error))
     }
 
-    /// Smallest and largest corner of the box around the full resolution.
-    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
-        match self {
-            Self::Hierarchy(model) => model.bounds(),
-            Self::Wavelet(model) => model.extent(),
-        }
+    /// The vertices in the structure's order.
+    pub fn vertices(&self) -> &Mesh {
+        self.0.vertices()
     }
 
-    /// Triangles of the finest and of the coarsest mesh.
-    pub fn triangles(&self) -> [usize; 2] {
-        match self {
-            Self::Hierarchy(model) => {
-                let hierarchy = model.hierarchy();
-                [hierarchy.triangle_count(), hierarchy.base_triangle_count()]
-            }
-            Self::Wavelet(model) => {
-                let of = model.subdivision();
-                [of.triangle_count(), of.base_face_count()]
-            }
-        }
+    /// Diagonal of the box around the full resolution.
+    pub fn diagonal(&self) -> f64 {
+        let [low, high] = self.0.bounds().unwrap_or_default();
+        (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// An instance. With `packed`, only vertices in use are in its buffer.
-    pub fn instance(&self, style: &Style, packed: bool, limits: LodOptions) -> Result<Instance, Failure> {
-        let drawing = Drawing::default().with_triangulation(style.triangulation()).with_packed(packed);
-        Ok(match self {
-            Self::Hierarchy(model) => {
-                style.check_unused()?;
-                let shared = Arc::clone(model.hierarchy());
-                let lod = if packed { HierarchyLod::packed(shared) } else { HierarchyLod::new(shared) };
-                Instance::Hierarchy(lod.with_options(limits))
-            }
-            Self::Wavelet(model) => {
-                let positions = model.vertices().positions();
-                let model = Arc::clone(model);
-                match normals(model.vertices()) {
-                    Some(normals) => {
-                        let both = positions.iter().zip(normals).map(|(&p, &n)| [p, n]).collect();
-                        let lod = WaveletLod::new(model, both, &drawing).map_err(Failure::input)?;
-                        Instance::Normals(lod.with_options(limits))
-                    }
-                    None => {
-                        let lod = WaveletLod::new(Arc::clone(&model), positions.into(), &drawing);
-                        Instance::Positions(lod.map_err(Failure::input)?.with_options(limits))
-                    }
-                }
-            }
-        })
+    /// An instance.
+    pub fn instance(&self, style: &Style, options: LodOptions) -> Result<Box<dyn Lod>, Failure> {
+        style.check(self)?;
+        let vertices = self.vertices();
+        let normals = normals(vertices);
+        let vertex = |(i, &position): (usize, &[f32; 3])| [position, normals.map_or([0.0; 3], |n| n[i])];
+        let values: Vec<Vertex> = vertices.positions().iter().enumerate().map(vertex).collect();
+        let values = multires::lod::Values::from(values).with_blending();
+        let options = options.with_triangulation(style.triangulation());
+        self.0.instance(&values, &options).map_err(Failure::input)
     }
 
-    /// What an instance of it draws, as a mesh of its own.
-    pub fn mesh_at(&self, instance: &Instance) -> Mesh {
-        match (self, instance) {
-            (Self::Hierarchy(model), Instance::Hierarchy(lod)) => model.mesh_at(lod),
-            (_, Instance::Positions(lod)) => lod.to_mesh(Normals::Kept),
-            (_, Instance::Normals(lod)) => lod.to_mesh(Normals::Kept),
-            (Self::Wavelet(_), Instance::Hierarchy(_)) => Mesh::default(),
-        }
-    }
-
-    /// Bytes that are written for one vertex whose values change: those of a hierarchy are all that the mesh has.
-    pub fn bytes_per_vertex(&self, instance: &Instance) -> usize {
-        match (self, instance) {
-            (Self::Hierarchy(model), _) => crate::rules::bytes_per_vertex(model.vertices()),
-            (_, Instance::Normals(_)) => size_of::<[[f32; 3]; 2]>(),
-            _ => size_of::<[f32; 3]>(),
-        }
-    }
-
-    /// What its refinements are called, and how many of them an instance's cut has.
-    pub fn refined(&self, instance: &Instance) -> (&'static str, usize) {
-        let count = |all: usize, holds: &dyn Fn(u32) -> bool| (0..all as u32).filter(|&r| holds(r)).count();
-        match instance {
-            Instance::Hierarchy(lod) => {
-                ("splits", count(lod.hierarchy().split_count(), &|split| lod.cut().holds(split)))
-            }
-            Instance::Positions(lod) => {
-                ("wavelets", count(lod.mesh().subdivision().wavelet_count(), &|w| lod.cut().holds(w)))
-            }
-            Instance::Normals(lod) => {
-                ("wavelets", count(lod.mesh().subdivision().wavelet_count(), &|w| lod.cut().holds(w)))
-            }
-        }
-    }
-
-    /// Which triangles are drawn, for JSON.
-    pub fn triangulation(&self, style: &Style) -> Value {
-        match self {
-            Self::Hierarchy(_) => Value::Null,
-            Self::Wavelet(_) => json!(style.name()),
-        }
-    }
-}
-
-impl Instance {
-    pub fn lod(&mut self) -> &mut dyn LevelOfDetail {
-        match self {
-            Self::Hierarchy(lod) => lod,
-            Self::Positions(lod) => lod,
-            Self::Normals(lod) => lod,
-        }
+    /// Bytes that are written for one vertex that comes into use: all that the mesh has.
+    pub fn bytes_per_vertex(&self) -> usize {
+        rules::bytes_per_vertex(self.vertices())
     }
 }
 

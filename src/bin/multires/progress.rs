@@ -34,7 +34,12 @@ impl Bar {
 
     /// How far a simplification is; never asks to stop.
     pub fn show(&self, progress: multires::simplify::Progress) -> ControlFlow<()> {
-        self.0.set_position((f64::from(progress.fraction()) * PARTS as f64) as u64);
+        self.share(progress.fraction())
+    }
+
+    /// How far anything is, 0 to 1; never asks to stop.
+    pub fn share(&self, share: f32) -> ControlFlow<()> {
+        self.0.set_position((f64::from(share) * PARTS as f64) as u64);
         ControlFlow::Continue(())
     }
 }

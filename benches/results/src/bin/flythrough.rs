@@ -26,8 +26,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
-use multires::adapt::LevelOfDetail;
-use multires::hierarchy::{Dependencies, HierarchyLod, VertexHierarchy};
+use multires::hierarchy::{HierarchyLod, HierarchyOptions, VertexHierarchy};
+use multires::lod::{Baked, Lod};
 use multires::mesh::{Mesh, shapes};
 use multires::{Simplifier, io};
 use multires_results::chart::Panel;
@@ -106,10 +106,10 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     let start = Instant::now();
     let sequence = Simplifier::new().run(&mesh)?;
     let simplified = start.elapsed();
-    let built = VertexHierarchy::build(&mesh, &sequence, Dependencies::None)?;
+    let baked = Baked::<VertexHierarchy>::of_sequence(&mesh, &sequence, &HierarchyOptions::default())?;
     let total = start.elapsed();
-    let positions = built.positions(mesh.positions())?;
-    let hierarchy = Arc::new(built.hierarchy);
+    let positions = baked.vertices().positions();
+    let hierarchy = Arc::clone(baked.structure());
     let name = model.and_then(Path::file_name).map_or("demo".into(), |name| name.to_string_lossy());
     writeln!(
         says,
@@ -138,7 +138,7 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     let chart = out.join("frames.svg");
     std::fs::write(&chart, draw(&frames)).map_err(|error| name_file(&chart, &error))?;
     let picture = out.join("frames.png");
-    let shots = shots(&hierarchy, &positions, &poses, arguments.pixels)?;
+    let shots = shots(&hierarchy, positions, &poses, arguments.pixels)?;
     std::fs::write(&picture, sheet::sheet(&shots, &outside::LEGEND).png(4)?)
         .map_err(|error| name_file(&picture, &error))?;
     writeln!(says, "\n{}, {} and {}", csv.display(), chart.display(), picture.display())?;
@@ -152,7 +152,7 @@ fn fly(hierarchy: &Arc<VertexHierarchy>, poses: &[Pose], pixels: f32) -> Result<
     for pose in poses {
         let view = pose.view(VIEWPORT)?.with_tolerance_px(pixels);
         let start = Instant::now();
-        let change = lod.adapt(&[view.of_world()]);
+        let change = lod.adapt(&[view.of_world()], 1.0 / 60.0);
         let time = start.elapsed();
         let triangles =
             (0..lod.groups()).flat_map(|group| lod.dirty_triangles(group, 0)).map(|range| range.len());
@@ -184,7 +184,7 @@ fn shots(
         let number = (share * poses.len() as f64) as usize;
         let Some(pose) = poses.get(number) else { continue };
         let view = pose.view(sheet::SIZE.map(|n| n as u32))?.with_tolerance_px(pixels);
-        lod.adapt(&[view.of_world()]);
+        lod.adapt(&[view.of_world()], 1.0 / 60.0);
         let (mut triangles, mut materials) = (Vec::new(), Vec::new());
         for group in 0..lod.groups() {
             triangles.extend_from_slice(lod.triangles(group));

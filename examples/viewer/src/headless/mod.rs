@@ -166,7 +166,8 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
 
     let samples = 4;
     let mut stage =
-        Stage::new(gpu.clone(), model, &source.places(), arguments.settings(), arguments.size, samples);
+        Stage::new(gpu.clone(), model, &source.places(), arguments.options(), arguments.size, samples)
+            .map_err(|error| Failure::Model { name: source.name(), source: error.into() })?;
     if let Some(texture) = &arguments.texture {
         let (size, pixels) = read_png(texture)?;
         stage.set_paint(size, &pixels);

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use multires::lod::{LodError, LodOptions};
 use multires::view::View;
 
 use crate::gpu::Gpu;
 use crate::renderer::{Eye, Look, Paint, RenderError, Renderer, Target, Uploaded, Uploads};
-use crate::scene::{Adapted, LodSettings, Model, Overlays, Scene};
+use crate::scene::{Adapted, Model, Overlays, Scene};
 
 /// What a frame did, and how long each part of it took.
 #[derive(Debug, Clone, Copy, Default)]
@@ -44,28 +45,31 @@ pub struct Stage {
 
 impl Stage {
     /// For pictures of that size, with 1 or 4 samples a pixel.
+    ///
+    /// # Errors
+    /// The model cannot be drawn that way.
     pub fn new(
         gpu: Gpu,
         model: Arc<Model>,
         places: &[[[f32; 4]; 4]],
-        settings: LodSettings,
+        options: LodOptions,
         size: [u32; 2],
         samples: u32,
-    ) -> Self {
+    ) -> Result<Self, LodError> {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, samples);
         let mut uploads = Uploads::default();
         let (side, picture) = model.picture();
         let paint = renderer.paint(&gpu.device, &gpu.queue, side, &picture);
         drop(picture);
-        Self {
+        Ok(Self {
             eye: renderer.eye(&gpu.device),
             paint,
             target: Target::new(&gpu.device, size, samples),
-            scene: Scene::new(&gpu.device, &mut uploads, model, places, settings),
+            scene: Scene::new(&gpu.device, &mut uploads, model, places, options)?,
             renderer,
             uploads,
             gpu,
-        }
+        })
     }
 
     /// Paints surfaces with a picture instead of the model's.

@@ -1,47 +1,18 @@
-//! Vertex and index buffers that are kept in step with a level of detail by its dirty ranges.
+//! Vertex and index buffers that are kept in step with a level of detail by its uploads.
 //!
 //! ```text
-//!     adapt(views)  ->  sync: for every group   grow, if there are more triangles than room
-//!                                               write the dirty ranges
-//!                       the same for vertices, where they are not shared
+//!     adapt(views)  ->  sync: for every upload   grow, if it ends beyond the buffer
+//!                                                write its bytes
 //!                   ->  clean()
 //! ```
 //!
 //! After that the buffers hold, byte for byte, what the level of detail holds. A buffer that grows at least doubles, and what it
-//! held is copied on the card: also then only dirty ranges are uploaded.
+//! held is copied on the card: also then only what was written is uploaded.
 
-use multires::adapt::LevelOfDetail;
+use multires::lod::Lod;
 
 use super::uploads::{Kind, Uploads};
-use super::vertex::{TRIANGLE, Vertex};
-
-/// Unwritten triangles between two dirty ranges that are uploaded rather than parted: 24 bytes, less than a copy costs.
-const TRIANGLE_GAP: usize = 2;
-/// The same for vertices.
-const VERTEX_GAP: usize = 1;
-
-/// Where the values of vertices are that a level of detail draws.
-#[derive(Debug, Clone, Copy)]
-pub enum Values<'a> {
-    /// Indices name vertices of the structure, which lie in one buffer for all instances: nothing to upload.
-    Shared,
-    /// Vertices are packed: these are the structure's, and each slot holds one of them.
-    Slots(&'a [Vertex]),
-    /// These are drawn, as they are: dirty ranges are of them.
-    Own(&'a [Vertex]),
-}
-
-/// What can be drawn: a level of detail and the values of its vertices.
-pub trait Drawn: Send {
-    /// The level of detail.
-    fn lod(&self) -> &dyn LevelOfDetail;
-
-    /// The same, to adapt it.
-    fn lod_mut(&mut self) -> &mut dyn LevelOfDetail;
-
-    /// The values of its vertices.
-    fn values(&self) -> Values<'_>;
-}
+use super::vertex::Vertex;
 
 /// A buffer with room for more than it holds.
 struct Growing {
@@ -93,79 +64,55 @@ pub fn shared_vertices(device: &wgpu::Device, uploads: &mut Uploads, vertices: &
     buffer
 }
 
-/// The buffers of one instance: an index buffer for each group, and one of vertices where they are not shared.
+/// The buffers of one instance, numbered as its uploads are: one of vertices, which is empty where they are shared, and one of
+/// indices for each group.
 pub struct LodBuffers {
-    vertices: Option<Growing>,
-    groups: Vec<(Growing, u32)>,
+    buffers: Vec<Growing>,
+    shares_vertices: bool,
+    /// Triangles to draw of every group.
+    counts: Vec<u32>,
 }
 
 impl LodBuffers {
-    /// Empty buffers for a level of detail, all of which is dirty.
-    pub fn new(device: &wgpu::Device, drawn: &dyn Drawn) -> Self {
-        let vertices = match drawn.values() {
-            Values::Shared => None,
-            Values::Slots(_) | Values::Own(_) => Some(Growing::new(device, 0, VERTEX_USAGE)),
-        };
-        let group = |_| (Growing::new(device, 0, INDEX_USAGE), 0);
-        Self { vertices, groups: (0..drawn.lod().groups()).map(group).collect() }
+    /// Empty buffers for a level of detail, all of which counts as written.
+    pub fn new(device: &wgpu::Device, lod: &dyn Lod) -> Self {
+        let usage = |buffer: usize| if buffer == 0 { VERTEX_USAGE } else { INDEX_USAGE };
+        Self {
+            buffers: (0..=lod.groups()).map(|buffer| Growing::new(device, 0, usage(buffer))).collect(),
+            shares_vertices: lod.shares_vertices(),
+            counts: vec![0; lod.groups()],
+        }
     }
 
     /// Uploads what was written since the last call, and cleans the level of detail.
-    pub fn sync(&mut self, device: &wgpu::Device, uploads: &mut Uploads, drawn: &mut dyn Drawn) {
-        let lod = drawn.lod();
-        for (group, (growing, count)) in self.groups.iter_mut().enumerate() {
-            let triangles = lod.triangles(group);
-            growing.fit(device, uploads, triangles.len() as u64 * TRIANGLE);
-            for range in lod.dirty_triangles(group, TRIANGLE_GAP) {
-                let at = range.start as u64 * TRIANGLE;
-                let bytes = bytemuck::cast_slice(&triangles[range]);
-                uploads.write(Kind::Indices, &growing.buffer, at, bytes);
-            }
-            *count = triangles.len() as u32;
+    pub fn sync(&mut self, device: &wgpu::Device, uploads: &mut Uploads, lod: &mut dyn Lod) {
+        for upload in lod.uploads() {
+            let growing = &mut self.buffers[upload.buffer];
+            growing.fit(device, uploads, upload.size);
+            let kind = if upload.buffer == 0 { Kind::Vertices } else { Kind::Indices };
+            uploads.write(kind, &growing.buffer, upload.offset, upload.bytes);
         }
-        if let Some(growing) = &mut self.vertices {
-            sync_vertices(growing, device, uploads, drawn);
+        self.counts.fill(0);
+        for draw in lod.draws() {
+            // What is drawn again without being written was in the buffer all the time.
+            self.counts[draw.buffer - 1] = draw.indices.end / 3;
         }
-        drawn.lod_mut().clean();
+        lod.clean();
     }
 
     /// The vertex buffer; `shared` where it is not this instance's own.
     pub fn vertices<'a>(&'a self, shared: &'a wgpu::Buffer) -> &'a wgpu::Buffer {
-        self.vertices.as_ref().map_or(shared, |growing| &growing.buffer)
+        if self.shares_vertices { shared } else { &self.buffers[0].buffer }
     }
 
     /// The index buffer and the triangles to draw of every group.
     pub fn groups(&self) -> impl Iterator<Item = (&wgpu::Buffer, u32)> {
-        self.groups.iter().map(|(growing, count)| (&growing.buffer, *count))
+        self.buffers[1..].iter().map(|growing| &growing.buffer).zip(self.counts.iter().copied())
     }
 
     /// Bytes on the card.
     pub fn memory(&self) -> u64 {
-        let groups = self.groups.iter().map(|(growing, _)| growing.buffer.size()).sum::<u64>();
-        groups + self.vertices.as_ref().map_or(0, |growing| growing.buffer.size())
-    }
-}
-
-fn sync_vertices(growing: &mut Growing, device: &wgpu::Device, uploads: &mut Uploads, drawn: &dyn Drawn) {
-    let stride = size_of::<Vertex>() as u64;
-    let lod = drawn.lod();
-    match drawn.values() {
-        Values::Shared => {}
-        Values::Slots(values) => {
-            let slots = lod.vertices().unwrap_or(&[]);
-            growing.fit(device, uploads, slots.len() as u64 * stride);
-            for range in lod.dirty_vertices(VERTEX_GAP) {
-                let at = range.start as u64 * stride;
-                let gathered = slots[range].iter().map(|&vertex| values[vertex as usize]);
-                uploads.gather(Kind::Vertices, &growing.buffer, at, gathered);
-            }
-        }
-        Values::Own(values) => {
-            growing.fit(device, uploads, values.len() as u64 * stride);
-            for range in lod.dirty_vertices(VERTEX_GAP) {
-                let at = range.start as u64 * stride;
-                uploads.write(Kind::Vertices, &growing.buffer, at, bytemuck::cast_slice(&values[range]));
-            }
-        }
+        let own = usize::from(self.shares_vertices);
+        self.buffers[own..].iter().map(|growing| growing.buffer.size()).sum()
     }
 }

@@ -28,7 +28,7 @@ mod target;
 mod uploads;
 mod vertex;
 
-pub use buffers::{Drawn, LodBuffers, Values, shared_vertices};
+pub use buffers::{LodBuffers, shared_vertices};
 pub use compare::{Compare, Show};
 pub use picture::Paint;
 pub use pipelines::LineEnd;

@@ -68,19 +68,6 @@ impl Uploads {
         self.wrote(kind, to, at, start);
     }
 
-    /// The same from values one by one.
-    pub fn gather<T: bytemuck::NoUninit>(
-        &mut self,
-        kind: Kind,
-        to: &wgpu::Buffer,
-        at: u64,
-        values: impl Iterator<Item = T>,
-    ) {
-        let start = self.bytes.len() as u64;
-        values.for_each(|value| self.bytes.extend_from_slice(bytemuck::bytes_of(&value)));
-        self.wrote(kind, to, at, start);
-    }
-
     /// A range whose bytes lie at the end of those gathered.
     fn wrote(&mut self, kind: Kind, to: &wgpu::Buffer, at: u64, start: u64) {
         let length = self.bytes.len() as u64 - start;

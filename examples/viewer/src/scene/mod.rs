@@ -4,28 +4,19 @@
 //! |---|---|
 //! | `mod.rs` | [`Scene`]: objects that adapt, upload and draw together |
 //! | `model.rs` | [`Model`]: a structure and its vertices |
-//! | `instance.rs` | [`Instance`]: levels of detail with the values of their vertices |
-//! | `wavelet_instance.rs` | [`WaveletInstance`]: an instance of a wavelet mesh |
 //! | `texture.rs` | [`Texture`]: a wavelet mesh's own, by its base |
-//! | `tom_lod.rs` | [`TomLod`]: a totally ordered mesh under the same trait |
 //! | `builtin.rs` | [`Builtin`]: scenes that need no file |
 //! | `load.rs` | [`Loading`]: models that are built in a thread of their own |
 
 mod builtin;
-mod instance;
 mod load;
 mod model;
 mod texture;
-mod tom_lod;
-mod wavelet_instance;
 
 pub use builtin::Builtin;
-pub use instance::{HierarchyInstance, Instance, LodSettings, Storage};
 pub use load::{Loading, Source};
 pub use model::{BuildOptions, Coordinates, Model, ModelError, Progress, StructureKind};
 pub use texture::Texture;
-pub use tom_lod::TomLod;
-pub use wavelet_instance::WaveletInstance;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -34,6 +25,7 @@ use std::time::{Duration, Instant};
 
 use glam::{DVec3, Mat4, Vec3};
 use multires::adapt::Change;
+use multires::lod::{Lod, LodError, LodOptions, VertexBuffer};
 use multires::quality::palette;
 use multires::view::{ObjectView, View};
 
@@ -67,8 +59,10 @@ pub struct Adapted {
 }
 
 struct Object {
-    instance: Box<dyn Instance>,
+    instance: Box<dyn Lod>,
     buffers: LodBuffers,
+    /// Whether its vertices are those that all share.
+    shared: bool,
     matrix: [[f32; 4]; 4],
     triangles: usize,
     /// Per frame, the group and the triangles that were written.
@@ -78,7 +72,7 @@ struct Object {
 /// Objects of one model.
 pub struct Scene {
     model: Arc<Model>,
-    settings: LodSettings,
+    options: LodOptions,
     shared: wgpu::Buffer,
     objects: Vec<Object>,
     /// For every object and group its surface, then the same for edges, then for what was written.
@@ -96,17 +90,26 @@ impl Scene {
         uploads: &mut Uploads,
         model: Arc<Model>,
         places: &[[[f32; 4]; 4]],
-        settings: LodSettings,
-    ) -> Self {
-        let instances = places.iter().map(|_| model.instance(&settings)).collect();
-        Self::of(device, uploads, model, places, settings, instances)
+        options: LodOptions,
+    ) -> Result<Self, LodError> {
+        let instances = places.iter().map(|_| model.instance(&options)).collect::<Result<_, _>>()?;
+        Ok(Self::of(device, uploads, model, places, options, instances))
     }
 
     /// The same objects at full resolution.
-    pub fn full(&self, device: &wgpu::Device, uploads: &mut Uploads) -> Self {
+    ///
+    /// # Errors
+    /// None that the objects as they are have not met.
+    pub fn full(&self, device: &wgpu::Device, uploads: &mut Uploads) -> Result<Self, LodError> {
         let places: Vec<_> = self.objects.iter().map(|object| object.matrix).collect();
-        let instances = places.iter().map(|_| self.model.full()).collect();
-        Self::of(device, uploads, Arc::clone(&self.model), &places, LodSettings::default(), instances)
+        let options = LodOptions::default().with_buffer(VertexBuffer::Shared);
+        let full = |_| {
+            let mut instance = self.model.instance(&options)?;
+            instance.refine_fully();
+            Ok(instance)
+        };
+        let instances = places.iter().map(full).collect::<Result<_, _>>()?;
+        Ok(Self::of(device, uploads, Arc::clone(&self.model), &places, options, instances))
     }
 
     fn of(
@@ -114,15 +117,18 @@ impl Scene {
         uploads: &mut Uploads,
         model: Arc<Model>,
         places: &[[[f32; 4]; 4]],
-        settings: LodSettings,
-        instances: Vec<Box<dyn Instance>>,
+        options: LodOptions,
+        instances: Vec<Box<dyn Lod>>,
     ) -> Self {
-        let shared = shared_vertices(device, uploads, model.shared_vertices());
+        // Those that no instance shares need not lie on the card.
+        let is_shared = instances.iter().any(|instance| instance.shares_vertices());
+        let shared = shared_vertices(device, uploads, if is_shared { model.vertices() } else { &[] });
         let objects: Vec<Object> = instances
             .into_iter()
             .zip(places)
             .map(|(instance, &matrix)| Object {
                 buffers: LodBuffers::new(device, &*instance),
+                shared: instance.shares_vertices(),
                 instance,
                 matrix,
                 triangles: 0,
@@ -151,7 +157,7 @@ impl Scene {
         let (low, high) = extent(model.bounds(), places);
         Self {
             model,
-            settings,
+            options,
             shared,
             objects,
             records: buffer,
@@ -167,8 +173,8 @@ impl Scene {
     }
 
     /// How instances follow the view.
-    pub fn settings(&self) -> &LodSettings {
-        &self.settings
+    pub fn options(&self) -> &LodOptions {
+        &self.options
     }
 
     /// Number of objects.
@@ -191,19 +197,33 @@ impl Scene {
         self.diagonal
     }
 
-    /// Takes new settings; objects whose storage changes start anew.
-    pub fn set(&mut self, device: &wgpu::Device, settings: LodSettings) {
-        if settings == self.settings {
-            return;
+    /// Lets all objects follow the view in another way.
+    ///
+    /// # Errors
+    /// The structure cannot be drawn that way.
+    pub fn set_options(
+        &mut self,
+        device: &wgpu::Device,
+        uploads: &mut Uploads,
+        options: LodOptions,
+    ) -> Result<(), LodError> {
+        if options == self.options {
+            return Ok(());
         }
-        self.settings = settings;
         for object in &mut self.objects {
-            if !object.instance.set(&settings) {
-                object.instance = self.model.instance(&settings);
+            object.instance.set_options(&options)?;
+            if options.buffer != self.options.buffer || object.instance.shares_vertices() != object.shared {
+                object.shared = object.instance.shares_vertices();
                 object.buffers = LodBuffers::new(device, &*object.instance);
+                object.instance.invalidate();
                 object.written.clear();
             }
         }
+        if self.shared.size() <= 4 && self.objects.iter().any(|object| object.shared) {
+            self.shared = shared_vertices(device, uploads, self.model.vertices());
+        }
+        self.options = options;
+        Ok(())
     }
 
     /// Lets all objects follow the views, `seconds` after the last call.
@@ -216,7 +236,7 @@ impl Scene {
             self.views.extend(
                 views.iter().map(|view| view.of_object(object.matrix).unwrap_or_else(|_| view.of_world())),
             );
-            let change = object.instance.lod_mut().adapt_in(&self.views, seconds);
+            let change = object.instance.adapt(&self.views, seconds);
             object.triangles = change.triangles;
             sum.cut.tests += change.cut.tests;
             sum.cut.splits += change.cut.splits;
@@ -238,7 +258,7 @@ impl Scene {
     pub fn sync(&mut self, device: &wgpu::Device, uploads: &mut Uploads, remember: bool) {
         for object in &mut self.objects {
             if remember {
-                let lod = object.instance.lod();
+                let lod = &*object.instance;
                 let of = |group: usize| {
                     let ranges = lod.dirty_triangles(group, 0);
                     ranges.map(move |range| (group, range.start as u32..range.end as u32))
@@ -269,7 +289,7 @@ impl Scene {
     }
 
     /// Instances, to look at what they hold.
-    pub fn instances(&self) -> impl Iterator<Item = &dyn Instance> {
+    pub fn instances(&self) -> impl Iterator<Item = &dyn Lod> {
         self.objects.iter().map(|object| &*object.instance)
     }
 

@@ -3,23 +3,17 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::Vec3;
-use multires::adapt::{LevelOfDetail, Refinements};
-use multires::hierarchy::{Dependencies, HierarchyError, HierarchyMesh, HierarchyParts};
+use multires::hierarchy::{Dependencies, HierarchyBuilder};
 use multires::io::{self, BakeError, ReadError, ReadOptions, SceneOrigin};
+use multires::lod::{Lod, LodError, LodOptions, Structure, Values, VertexBuffer};
 use multires::mesh::{MAX_ELEMENTS, Mesh, Topology, names};
-use multires::simplify::metric;
-use multires::simplify::{OptionError, Placement, Simplifier, StopReason};
-use multires::tom::{TomError, TomMesh, TomSteps};
-use multires::view::Motion;
-use multires::wavelet::{Drawing, ErrorBound, WaveletError, WaveletLod, WaveletMesh, WaveletOptions};
+use multires::simplify::{Placement, Simplifier, metric};
+use multires::tom::TomBuilder;
+use multires::wavelet::{WaveletError, WaveletMesh, WaveletOptions};
 
-use super::instance::{Everything, HierarchyInstance, Instance, LodSettings};
 use super::texture::{self, Texture};
-use super::tom_lod::TomLod;
-use super::wavelet_instance::WaveletInstance;
 use crate::renderer::{Paint, Vertex};
 
 /// Why there is no model.
@@ -31,28 +25,13 @@ pub enum ModelError {
     Read(#[from] ReadError),
     /// The baked file cannot be read.
     #[error(transparent)]
-    Baked(#[from] BakeError),
-    /// A baked file of something that is not drawn here.
-    #[error("a baked file of kind {kind:?}; hierarchy, tom and wavelet can be drawn")]
-    Kind {
-        /// What it says it is.
-        kind: String,
-    },
-    /// Options that make no sense.
+    Baked(BakeError),
+    /// No structure could be built, or no instance made.
     #[error(transparent)]
-    Option(#[from] OptionError),
-    /// No hierarchy could be built.
-    #[error(transparent)]
-    Hierarchy(#[from] HierarchyError),
-    /// No totally ordered mesh could be built.
-    #[error(transparent)]
-    Tom(#[from] TomError),
-    /// No wavelet mesh could be built.
-    #[error(transparent)]
-    Wavelet(WaveletError),
+    Build(multires::Error),
     /// The mesh has no subdivision connectivity, which wavelets need.
     #[error("{0}; a vertex hierarchy takes any mesh (--structure hierarchy)")]
-    NoConnectivity(WaveletError),
+    NoConnectivity(multires::Error),
     /// There is nothing to draw.
     #[error("there are no triangles")]
     NoTriangles,
@@ -70,11 +49,23 @@ pub enum ModelError {
     Lost,
 }
 
-impl From<WaveletError> for ModelError {
-    fn from(error: WaveletError) -> Self {
-        match error {
-            WaveletError::NoConnectivity { .. } => Self::NoConnectivity(error),
-            _ => Self::Wavelet(error),
+impl From<LodError> for ModelError {
+    fn from(error: LodError) -> Self {
+        Self::Build(error.into())
+    }
+}
+
+impl ModelError {
+    /// Of any error of the library.
+    fn of(error: impl Into<multires::Error>) -> Self {
+        match error.into() {
+            multires::Error::Read(error) => Self::Read(error),
+            multires::Error::Bake(error) => Self::Baked(error),
+            error if error.is_cancelled() => Self::Cancelled,
+            error @ multires::Error::Wavelet(WaveletError::NoConnectivity { .. }) => {
+                Self::NoConnectivity(error)
+            }
+            error => Self::Build(error),
         }
     }
 }
@@ -176,19 +167,12 @@ impl BuildOptions {
     }
 }
 
-enum Structure {
-    Hierarchy(HierarchyMesh),
-    Tom(Arc<TomSteps>),
-    Wavelet(Arc<WaveletMesh>),
-}
-
-/// A structure and its vertices. Immutable; instances share it.
+/// A baked model and its vertices as the card reads them. Immutable; instances share it.
 pub struct Model {
-    structure: Structure,
-    vertices: Arc<[Vertex]>,
+    baked: Box<dyn io::StoredModel<Vertex>>,
+    values: Values<Vertex>,
     bounds: [[f32; 3]; 2],
     materials: Vec<u32>,
-    triangles: usize,
     has_uv: bool,
     texture: Option<Texture>,
 }
@@ -216,13 +200,7 @@ impl Model {
     /// # Errors
     /// The file cannot be read, or holds something else.
     pub fn read_baked(path: &Path, coordinates: Coordinates) -> Result<Self, ModelError> {
-        let bytes = std::fs::read(path).map_err(|source| BakeError::Io { path: path.to_owned(), source })?;
-        match io::baked_kind(&bytes)?.as_str() {
-            HierarchyMesh::KIND => Self::of_hierarchy(io::unbake(HierarchyMesh::KIND, &bytes)?),
-            TomMesh::KIND => Self::of_tom(io::unbake(TomMesh::KIND, &bytes)?),
-            WaveletMesh::KIND => Self::of_wavelet(io::unbake(WaveletMesh::KIND, &bytes)?, coordinates),
-            kind => Err(ModelError::Kind { kind: kind.to_owned() }),
-        }
+        Self::new(io::read_model(path).map_err(ModelError::of)?, coordinates)
     }
 
     /// Builds a structure from a mesh.
@@ -234,147 +212,56 @@ impl Model {
         if mesh.triangles().is_empty() {
             return Err(ModelError::NoTriangles);
         }
-        if options.structure == StructureKind::Wavelet {
-            // Bounds take most of the time, and nobody counts their steps.
-            let found = WaveletMesh::recognise(mesh, &options.wavelets)?;
-            if progress(0.75).is_break() {
-                return Err(ModelError::Cancelled);
-            }
-            return Self::of_wavelet(found, options.coordinates);
-        }
         let metric = metric::by_name(&options.metric)
             .ok_or_else(|| ModelError::NoMetric { name: options.metric.clone() })?;
-        let placement = match options.structure {
-            StructureKind::Tom => Placement::Endpoint,
-            _ => options.placement,
-        };
-        // What comes after the simplification takes about a quarter of the time.
-        let sequence = Simplifier::new()
-            .metric(metric)
-            .placement(placement)
-            .run_with(mesh, |at| progress(0.75 * at.fraction()))?;
-        if sequence.report().stop == StopReason::Cancelled || progress(0.75).is_break() {
-            return Err(ModelError::Cancelled);
-        }
-        match options.structure {
-            StructureKind::Tom => Self::of_tom(TomMesh::new(mesh, &sequence)?),
-            _ => Self::of_hierarchy(HierarchyMesh::new(mesh, &sequence, options.dependencies)?),
-        }
-    }
-
-    fn of_hierarchy(mesh: HierarchyMesh) -> Result<Self, ModelError> {
-        let parts = HierarchyParts::from((**mesh.hierarchy()).clone());
-        let mut vertices = vertices(mesh.vertices());
-        if !has_normals(mesh.vertices()) {
-            smooth(&mut vertices, &parts.triangles);
-            // A new vertex faces where those that it stands for do; fine ones are summed up first.
-            let leaves = parts.substitute.len() - parts.first_leaf.len();
-            for &vertex in parts.brings.iter().rev() {
-                let to = parts.substitute[vertex as usize] as usize;
-                if to >= leaves {
-                    let sum = Vec3::from(vertices[to].normal) + Vec3::from(vertices[vertex as usize].normal);
-                    vertices[to].normal = sum.to_array();
-                }
+        let simplifier = Simplifier::new().metric(metric);
+        let baked: Box<dyn io::StoredModel<Vertex>> = match options.structure {
+            StructureKind::Hierarchy => Box::new(
+                HierarchyBuilder::new()
+                    .simplifier(simplifier.placement(options.placement))
+                    .dependencies(options.dependencies)
+                    .bake_with(mesh, progress)
+                    .map_err(ModelError::of)?,
+            ),
+            StructureKind::Tom => Box::new(
+                TomBuilder::new().simplifier(simplifier).bake_with(mesh, progress).map_err(ModelError::of)?,
+            ),
+            StructureKind::Wavelet => {
+                Box::new(WaveletMesh::bake_with(mesh, &options.wavelets, progress).map_err(ModelError::of)?)
             }
-            let (_, made) = vertices.split_at_mut(leaves);
-            made.iter_mut().for_each(|v| v.normal = Vec3::from(v.normal).normalize_or_zero().to_array());
-        }
-        let count = parts.bounds.len();
-        for (split, bounds) in parts.bounds.iter().enumerate() {
-            let brought = parts.brings_start[split] as usize..parts.brings_start[split + 1] as usize;
-            for &vertex in &parts.brings[brought] {
-                let vertex = &mut vertices[vertex as usize];
-                (vertex.level, vertex.error) = (level(split, count), bounds.error);
-            }
-        }
-        let materials = parts.materials;
-        Self::new(Structure::Hierarchy(mesh), vertices, &parts.triangles, materials)
-    }
-
-    fn of_tom(mesh: TomMesh) -> Result<Self, ModelError> {
-        let tom = mesh.tom();
-        let mut made = vertices(mesh.vertices());
-        if !has_normals(mesh.vertices()) {
-            smooth(&mut made, tom.triangles());
-        }
-        let base = tom.coarsest().vertices();
-        let count = made.len() - base.min(made.len());
-        for (i, vertex) in made.iter_mut().enumerate().skip(base) {
-            let above = tom.error_marks().partition_point(|mark| mark.vertices as usize <= i);
-            let error = above.checked_sub(1).map_or(0.0, |at| tom.error_marks()[at].error);
-            (vertex.level, vertex.error) = (level(i - base, count), error);
-        }
-        let materials = tom.material_ids().to_vec();
-        let triangles = tom.triangles().to_vec();
-        let steps = TomSteps::by_material(tom.clone())?;
-        Self::new(Structure::Tom(Arc::new(steps)), made, &triangles, materials)
-    }
-
-    fn of_wavelet(mesh: WaveletMesh, coordinates: Coordinates) -> Result<Self, ModelError> {
-        let worn = match coordinates {
-            Coordinates::Atlas => texture::by_base(&mesh),
-            Coordinates::Own => None,
         };
-        let (mesh, texture) = worn.map_or((mesh, None), |(mesh, texture)| (mesh, Some(texture)));
-        let mesh = Arc::new(mesh);
-        let places: Arc<[[f32; 3]]> = mesh.vertices().positions().into();
-        let mut full =
-            WaveletLod::new(Arc::clone(&mesh), places, &Drawing::default()).map_err(WaveletError::from)?;
-        full.adapt_by(&Everything, Motion::Other, f32::INFINITY);
-        let triangles: Vec<[u32; 3]> =
-            (0..full.groups()).flat_map(|group| full.triangles(group)).copied().collect();
-
-        let mut made = vertices(mesh.vertices());
-        if !has_normals(mesh.vertices()) {
-            smooth(&mut made, &triangles);
-        }
-        let of = mesh.subdivision();
-        for (i, vertex) in (0_u32..).zip(&mut made) {
-            let Some(wavelet) = of.wavelet_of(i) else { continue };
-            let bounds = mesh.bounds(wavelet);
-            vertex.level = of.level_of(wavelet) as f32 / of.depth() as f32;
-            vertex.error = bounds.along.max(bounds.across);
-        }
-        let materials = mesh.materials().to_vec();
-        let model = Self::new(Structure::Wavelet(mesh), made, &triangles, materials)?;
-        Ok(Self { texture, ..model })
+        Self::new(baked, options.coordinates)
     }
 
-    fn new(
-        structure: Structure,
-        vertices: Vec<Vertex>,
-        triangles: &[[u32; 3]],
-        materials: Vec<u32>,
-    ) -> Result<Self, ModelError> {
-        let mut vertices = vertices;
-        let mut corners = triangles.as_flattened().iter().map(|&v| Vec3::from(vertices[v as usize].position));
-        let first = corners.next().ok_or(ModelError::NoTriangles)?;
-        let (low, high) = corners.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
-        // Vertices of the coarsest mesh are never left out.
-        let diagonal = (high - low).length();
-        vertices.iter_mut().filter(|v| v.level == 0.0).for_each(|v| v.error = diagonal);
+    fn new(baked: Box<dyn io::StoredModel<Vertex>>, coordinates: Coordinates) -> Result<Self, ModelError> {
+        let (baked, texture) = match coordinates {
+            Coordinates::Atlas => texture::worn(baked),
+            Coordinates::Own => (baked, None),
+        };
+        let [low, high] = baked.bounds().ok_or(ModelError::NoTriangles)?;
+        let diagonal = (Vec3::from(high) - Vec3::from(low)).length();
+        let mut vertices = vertices(baked.vertices());
+        for (vertex, rank) in vertices.iter_mut().zip(baked.vertex_ranks()) {
+            // Vertices of the coarsest mesh are never left out.
+            (vertex.level, vertex.error) = (rank.share, rank.error.min(diagonal));
+        }
+        if !has_normals(baked.vertices()) {
+            shade(&*baked, &mut vertices)?;
+        }
+        let materials = baked.materials();
         Ok(Self {
-            structure,
-            bounds: [low.to_array(), high.to_array()],
-            materials: if materials.is_empty() { vec![0] } else { materials },
-            triangles: triangles.len(),
+            bounds: [low, high],
+            materials: if materials.is_empty() { vec![0] } else { materials.to_vec() },
             has_uv: vertices.iter().any(|v| v.uv != [0.0; 2]),
-            vertices: vertices.into(),
-            texture: None,
+            values: Values::from(vertices).with_blending(),
+            texture,
+            baked,
         })
     }
 
     /// Its vertices, in the structure's order.
-    pub fn vertices(&self) -> &Arc<[Vertex]> {
-        &self.vertices
-    }
-
-    /// Those of them that instances share on the card: none where each draws values of its own.
-    pub fn shared_vertices(&self) -> &[Vertex] {
-        match &self.structure {
-            Structure::Wavelet(_) => &[],
-            _ => &self.vertices,
-        }
+    pub fn vertices(&self) -> &Values<Vertex> {
+        &self.values
     }
 
     /// What surfaces are painted with unless somebody says otherwise: the size of a picture, and its pixels row by row. A wavelet
@@ -406,7 +293,7 @@ impl Model {
 
     /// Triangles at full resolution.
     pub fn triangle_count(&self) -> usize {
-        self.triangles
+        self.baked.triangle_counts()[0]
     }
 
     /// Whether it has texture coordinates.
@@ -414,60 +301,23 @@ impl Model {
         self.has_uv
     }
 
-    /// What it is called.
+    /// What kind of structure it is.
     pub fn kind(&self) -> &'static str {
-        match &self.structure {
-            Structure::Hierarchy(mesh) => match mesh.hierarchy().dependencies() {
-                Dependencies::Adjacent => "vertex hierarchy, adjacent dependencies",
-                Dependencies::Neighbours => "vertex hierarchy, neighbours as dependencies",
-                _ => "vertex hierarchy",
-            },
-            Structure::Tom(_) => "totally ordered mesh",
-            Structure::Wavelet(mesh) => match mesh.options().bound {
-                ErrorBound::WithoutSiblings => "wavelet mesh, bounds without siblings",
-                _ => "wavelet mesh",
-            },
-        }
+        self.baked.kind()
     }
 
-    /// The wavelet mesh, where it is one.
-    pub fn wavelets(&self) -> Option<&Arc<WaveletMesh>> {
-        match &self.structure {
-            Structure::Wavelet(mesh) => Some(mesh),
-            _ => None,
-        }
-    }
-
-    /// Whether instances may be compact, geomorphed and limited: not those of a totally ordered mesh.
-    pub fn is_selective(&self) -> bool {
-        !matches!(self.structure, Structure::Tom(_))
+    /// The baked model.
+    pub fn baked(&self) -> &dyn io::StoredModel<Vertex> {
+        &*self.baked
     }
 
     /// An instance that follows a view.
-    pub fn instance(&self, settings: &LodSettings) -> Box<dyn Instance> {
-        match &self.structure {
-            Structure::Hierarchy(mesh) => {
-                Box::new(HierarchyInstance::new(mesh.hierarchy(), &self.vertices, settings))
-            }
-            Structure::Tom(steps) => Box::new(TomLod::new(Arc::clone(steps), self.bounds)),
-            Structure::Wavelet(mesh) => Box::new(
-                WaveletInstance::new(mesh, &self.vertices, settings)
-                    .expect("a model has as many vertices as its wavelet mesh"),
-            ),
-        }
+    ///
+    /// # Errors
+    /// The structure cannot be drawn that way.
+    pub fn instance(&self, options: &LodOptions) -> Result<Box<dyn Lod>, LodError> {
+        self.baked.instance(&self.values, options)
     }
-
-    /// An instance at full resolution.
-    pub fn full(&self) -> Box<dyn Instance> {
-        let mut full = self.instance(&LodSettings::default());
-        full.refine_fully();
-        full
-    }
-}
-
-/// Where something comes in an order that doubles, from the coarsest (0) to the last (1).
-fn level(at: usize, count: usize) -> f32 {
-    ((1.0 + at as f32).log2() / (1.0 + count as f32).log2()).clamp(0.0, 1.0)
 }
 
 fn has_normals(mesh: &Mesh) -> bool {
@@ -488,6 +338,31 @@ fn vertices(mesh: &Mesh) -> Vec<Vertex> {
         ..Vertex::default()
     };
     mesh.positions().iter().enumerate().map(vertex).collect()
+}
+
+/// Gives every vertex the mean normal of the triangles around its position at full resolution, by area; one that a collapse made
+/// the mean of those that it was made of.
+fn shade(baked: &dyn io::StoredModel<Vertex>, vertices: &mut [Vertex]) -> Result<(), ModelError> {
+    let places = Values::from(vertices.to_vec()).with_blending();
+    let mut full = baked.instance(&places, &LodOptions::default().with_buffer(VertexBuffer::Shared))?;
+    full.refine_fully();
+    let triangles: Vec<[u32; 3]> =
+        (0..full.groups()).flat_map(|group| full.triangles(group)).copied().collect();
+    smooth(vertices, &triangles);
+    let origins = baked.origins();
+    let mut own = vec![Vec3::ZERO; origins.input_vertices()];
+    for (vertex, &origin) in vertices.iter().zip(origins.order()) {
+        if let Some(own) = own.get_mut(origin as usize) {
+            *own = Vec3::from(vertex.normal);
+        }
+    }
+    let mixed = origins.arrange_with(&own, |a, b, t| a.lerp(*b, t)).map_err(ModelError::of)?;
+    for (vertex, mixed) in vertices.iter_mut().zip(mixed) {
+        if vertex.normal == [0.0; 3] {
+            vertex.normal = mixed.normalize_or_zero().to_array();
+        }
+    }
+    Ok(())
 }
 
 /// Gives every vertex the mean normal of the triangles around its position, by area.

@@ -1,7 +1,11 @@
 //! The texture of a wavelet mesh, by its base: one picture that lies on every level of detail as it lies on the full mesh.
 
+use multires::Baked;
+use multires::io;
 use multires::quality::palette;
 use multires::wavelet::{Atlas, AtlasOptions, SurfacePoint, WaveletMesh};
+
+use crate::renderer::Vertex;
 
 /// Texels along a side: the first that leaves charts at least so many, or the last.
 const SIDES: [u32; 3] = [1024, 2048, 4096];
@@ -18,9 +22,21 @@ pub struct Texture {
     pub pixels: Vec<[u8; 4]>,
 }
 
+/// A model with the coordinates of an atlas of its base instead of those that it had, and a texture for them, where it is a wavelet
+/// mesh and can be; else as it is.
+pub(super) fn worn(
+    baked: Box<dyn io::StoredModel<Vertex>>,
+) -> (Box<dyn io::StoredModel<Vertex>>, Option<Texture>) {
+    let wavelets = baked.as_any().downcast_ref::<Baked<WaveletMesh>>();
+    match wavelets.and_then(|wavelets| by_base(wavelets.structure())) {
+        Some((mesh, texture)) => (Box::new(Baked::from(mesh)), Some(texture)),
+        None => (baked, None),
+    }
+}
+
 /// The mesh with the coordinates of an atlas instead of those that it had, and a colour for each base face, with a checker in its
 /// barycentric coordinates, as the texture. `None` where there are too many base faces for a picture that cards take.
-pub(super) fn by_base(mesh: &WaveletMesh) -> Option<(WaveletMesh, Texture)> {
+fn by_base(mesh: &WaveletMesh) -> Option<(WaveletMesh, Texture)> {
     let faces = mesh.subdivision().base_face_count();
     // Two charts share a square cell.
     let across = ((faces as f64 / 2.0).sqrt().ceil() as u32).max(1);

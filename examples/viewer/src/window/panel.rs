@@ -1,17 +1,19 @@
 //! The side panel: everything that can be set, and what comes of it.
 
 use egui::{Align2, Color32, ComboBox, FontId, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use multires::adapt::Geomorph;
 use multires::hierarchy::Dependencies;
+use multires::lod::{Triangulation, VertexBuffer};
 use multires::simplify::{Placement, metric};
 use multires::view::ErrorKind;
-use multires::wavelet::{ErrorBound, Triangulation};
+use multires::wavelet::ErrorBound;
 
 use super::graphs::short;
 use super::hands::Hands;
 use super::viewer::Viewer;
 use crate::arguments::Layout;
 use crate::renderer::Shading;
-use crate::scene::{Builtin, Coordinates, Source, Storage, StructureKind};
+use crate::scene::{Builtin, Coordinates, Source, StructureKind};
 
 /// Width of the panel, points, and of windows that are too narrow for it to be open at first.
 const WIDTH: f32 = 310.0;
@@ -267,8 +269,7 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
 }
 
 fn detail(ui: &mut Ui, viewer: &mut Viewer) {
-    let selective = viewer.scene().is_none_or(|scene| scene.model().is_selective());
-    let wavelets = viewer.scene().is_some_and(|scene| scene.model().wavelets().is_some());
+    let triangulations = viewer.scene().is_some_and(|scene| scene.model().baked().has_triangulations());
     section(ui, "Level of detail", |ui| {
         let tolerances = &mut viewer.controls.tolerances;
         ui.add(Slider::new(&mut tolerances.anywhere, 0.1..=50.0).logarithmic(true).text("tolerance, px"));
@@ -279,7 +280,7 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
             ui.add_enabled(own, Slider::new(&mut pixels, 0.1..=50.0).logarithmic(true).text("px"));
             tolerances.silhouette = own.then_some(pixels);
         });
-        ui.add_enabled_ui(!wavelets, |ui| {
+        ui.add_enabled_ui(!triangulations, |ui| {
             choice(
                 ui,
                 "Error",
@@ -287,37 +288,35 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
                 &[(ErrorKind::Geometric, "geometric"), (ErrorKind::Parametric, "parametric")],
             );
         });
-        ui.add_enabled_ui(selective, |ui| {
-            let settings = &mut viewer.controls.settings;
+        let options = &mut viewer.controls.options;
+        choice(
+            ui,
+            "Vertices",
+            &mut options.buffer,
+            &[(VertexBuffer::Shared, "static"), (VertexBuffer::Packed, "compact")],
+        );
+        if triangulations {
             choice(
                 ui,
-                "Vertices",
-                &mut settings.storage,
-                &[(Storage::Static, "static"), (Storage::Compact, "compact")],
+                "Triangles",
+                &mut options.triangulation,
+                &[(Triangulation::Exact, "exact"), (Triangulation::Minimal, "minimal")],
             );
-            if wavelets {
-                choice(
-                    ui,
-                    "Triangles",
-                    &mut settings.triangulation,
-                    &[(Triangulation::Exact, "exact"), (Triangulation::Minimal, "minimal")],
-                );
-            }
-            let mut limited = settings.limits.triangles.is_some();
-            ui.horizontal(|ui| {
-                ui.checkbox(&mut limited, "budget");
-                let mut most = settings.limits.triangles.unwrap_or(10_000);
-                let slider = Slider::new(&mut most, 100..=1_000_000).logarithmic(true).text("triangles");
-                ui.add_enabled(limited, slider);
-                settings.limits = settings.limits.with_triangles(limited.then_some(most));
-            });
-            let mut moves = settings.geomorph.is_some();
-            ui.horizontal(|ui| {
-                ui.checkbox(&mut moves, "geomorph");
-                let mut seconds = settings.geomorph.unwrap_or(0.3);
-                ui.add_enabled(moves, Slider::new(&mut seconds, 0.05..=3.0).logarithmic(true).text("s"));
-                settings.geomorph = moves.then_some(seconds);
-            });
+        }
+        let mut limited = options.triangles.is_some();
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut limited, "budget");
+            let mut most = options.triangles.unwrap_or(10_000);
+            let slider = Slider::new(&mut most, 100..=1_000_000).logarithmic(true).text("triangles");
+            ui.add_enabled(limited, slider);
+            *options = options.with_triangles(limited.then_some(most));
+        });
+        let mut moves = options.geomorph.is_some();
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut moves, "geomorph");
+            let mut seconds = options.geomorph.map_or(0.3, |geomorph| geomorph.duration);
+            ui.add_enabled(moves, Slider::new(&mut seconds, 0.05..=3.0).logarithmic(true).text("s"));
+            options.geomorph = moves.then(|| Geomorph::default().with_duration(seconds));
         });
         if viewer.adapted.change.over_budget {
             ui.weak("the coarsest mesh is above the budget");

@@ -4,6 +4,8 @@ use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use multires::lod::LodOptions;
+
 use super::frustum;
 use super::graphs::{History, Numbers};
 use super::hands::Hands;
@@ -13,7 +15,7 @@ use crate::camera::{Lens, Orbit, Path, Pose, Tolerances};
 use crate::gpu::Gpu;
 use crate::headless::read_png;
 use crate::renderer::{Eye, Kind, LineEnd, Look, Paint, Renderer, Shading, Show, Target, Uploaded, Uploads};
-use crate::scene::{Adapted, BuildOptions, Loading, LodSettings, ModelError, Overlays, Scene, Source};
+use crate::scene::{Adapted, BuildOptions, Loading, ModelError, Overlays, Scene, Source};
 
 /// Samples a pixel.
 const SAMPLES: u32 = 4;
@@ -25,7 +27,7 @@ pub struct Controls {
     /// How models are built: what the next build takes.
     pub build: BuildOptions,
     /// How instances follow the view.
-    pub settings: LodSettings,
+    pub options: LodOptions,
     /// How large errors may be.
     pub tolerances: Tolerances,
     /// What colours surfaces.
@@ -104,7 +106,7 @@ impl Viewer {
         let field_of_view = arguments.fov.to_radians();
         let controls = Controls {
             build: arguments.build(),
-            settings: arguments.settings(),
+            options: arguments.options(),
             tolerances: arguments.tolerances(),
             shading: arguments.shading,
             wire: arguments.wire,
@@ -324,13 +326,15 @@ impl Viewer {
                     self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
                 }
                 self.full = None;
-                self.scene = Some(Scene::new(
+                let scene = Scene::new(
                     &self.gpu.device,
                     &mut self.uploads,
                     Arc::new(model),
                     &places,
-                    self.controls.settings,
-                ));
+                    self.controls.options,
+                );
+                self.message = scene.as_ref().err().map(ToString::to_string);
+                self.scene = scene.ok();
                 self.freeze(false);
                 if !same {
                     self.reset_camera();
@@ -363,7 +367,9 @@ impl Viewer {
         };
         self.turn_tape(&scene);
         let device = &self.gpu.device;
-        scene.set(device, self.controls.settings);
+        if let Err(error) = scene.set_options(device, &mut self.uploads, self.controls.options) {
+            self.message = Some(error.to_string());
+        }
         let pose = self.hands.pose();
 
         let seen = self.frozen.as_ref().map_or((pose, lens), |frozen| (frozen.pose, frozen.lens));
@@ -460,8 +466,14 @@ impl Viewer {
         }
         let device = &self.gpu.device;
         let uploads = &mut self.uploads;
-        let full = self.full.get_or_insert_with(|| scene.full(device, uploads));
-        full.sync(device, uploads, false);
+        if self.full.is_none() {
+            let full = scene.full(device, uploads);
+            self.message = full.as_ref().err().map(ToString::to_string).or(self.message.take());
+            self.full = full.ok();
+        }
+        if let Some(full) = &mut self.full {
+            full.sync(device, uploads, false);
+        }
     }
 
     fn draw_frustum(&mut self, scene: &Scene) {

@@ -5,12 +5,14 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use multires::adapt::Geomorph;
+use multires::lod::{Lod, LodOptions, VertexBuffer};
 use multires::mesh::{Attribute, Mesh, names};
 use multires::quality::{Camera, Colours, RenderOptions, render};
 use multires_viewer::camera::Pose;
 use multires_viewer::gpu::{self, Gpu};
-use multires_viewer::renderer::{Values, Vertex};
-use multires_viewer::scene::{BuildOptions, Instance, Model};
+use multires_viewer::renderer::Vertex;
+use multires_viewer::scene::{BuildOptions, Model};
 
 /// The card; without one says on stderr which test skips.
 pub fn open(test: &str) -> Option<Gpu> {
@@ -21,6 +23,16 @@ pub fn open(test: &str) -> Option<Gpu> {
             None
         }
     }
+}
+
+/// With all vertices on the card, once for all instances.
+pub fn shared() -> LodOptions {
+    LodOptions::default().with_buffer(VertexBuffer::Shared)
+}
+
+/// With vertices that move in so many seconds.
+pub fn moving(options: LodOptions, seconds: f32) -> LodOptions {
+    options.with_geomorph(Geomorph::default().with_duration(seconds))
 }
 
 /// A model of a mesh.
@@ -45,17 +57,8 @@ pub fn read_back(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: usize) -> Vec<u8> {
 }
 
 /// What an instance draws, from its slices, as a mesh.
-pub fn mesh_of(instance: &dyn Instance, model: &Model) -> Mesh {
-    let slots: Vec<Vertex>;
-    let vertices: &[Vertex] = match instance.values() {
-        Values::Shared => model.vertices(),
-        Values::Own(values) => values,
-        Values::Slots(all) => {
-            slots = instance.lod().vertices().unwrap().iter().map(|&v| all[v as usize]).collect();
-            &slots
-        }
-    };
-    let lod = instance.lod();
+pub fn mesh_of(lod: &dyn Lod, model: &Model) -> Mesh {
+    let vertices: &[Vertex] = bytemuck::cast_slice(lod.vertex_bytes());
     let triangles: Vec<[u32; 3]> = (0..lod.groups()).flat_map(|g| lod.triangles(g).to_vec()).collect();
     let materials: Vec<u32> =
         (0..lod.groups()).flat_map(|g| vec![model.materials()[g]; lod.triangles(g).len()]).collect();

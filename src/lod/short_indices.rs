@@ -1,6 +1,6 @@
 //! 16-bit indices where they fit: half the memory, checked.
 
-use super::LevelOfDetail;
+use super::Lod;
 
 /// Highest index: one less than 16 bits hold, which many graphics interfaces take for the end of a strip.
 const HIGHEST: u32 = u16::MAX as u32 - 1;
@@ -19,13 +19,13 @@ pub struct ShortIndices {
 }
 
 impl ShortIndices {
-    /// Takes in what was written since the last [`clean`](LevelOfDetail::clean); call it before that, every time, and always for
+    /// Takes in what was written since the last [`clean`](Lod::clean); call it before that, every time, and always for
     /// the same group of the same level of detail.
     ///
     /// `None` where an index is above 65,534, as can only be with more than 65,535 vertices in use (packed) or in all.
     /// Dirty ranges then are those of the 32-bit indices; the first time that it fits again all must be uploaded
     /// ([`ShortIndices::is_new`] says so before the call). O(what was written); O(triangles) where it did not fit before.
-    pub fn update(&mut self, lod: &(impl LevelOfDetail + ?Sized), group: usize) -> Option<&[[u16; 3]]> {
+    pub fn update(&mut self, lod: &(impl Lod + ?Sized), group: usize) -> Option<&[[u16; 3]]> {
         let triangles = lod.triangles(group);
         let fits = self.take(triangles, lod, group);
         self.fits = fits;
@@ -37,7 +37,7 @@ impl ShortIndices {
         !self.fits
     }
 
-    fn take(&mut self, triangles: &[[u32; 3]], lod: &(impl LevelOfDetail + ?Sized), group: usize) -> bool {
+    fn take(&mut self, triangles: &[[u32; 3]], lod: &(impl Lod + ?Sized), group: usize) -> bool {
         self.triangles.resize(triangles.len(), [0; 3]);
         if self.fits {
             lod.dirty_triangles(group, 0)

@@ -1,0 +1,294 @@
+//! The vertex buffer of an instance, and where vertices are that are not at rest.
+//!
+//! ```text
+//!     opening   from where it was to its own place
+//!     closing   from where it was to where its substitute is, which may be on its way itself
+//! ```
+//!
+//! A vertex is the blend of a start and a goal. To turn round is to start anew from where it is, so nothing jumps; and a
+//! closing vertex has come to its substitute when it gives way to it, so that does not show. A substitute that is a new
+//! vertex counts as drawn where it is or will be.
+//!
+//! Only what moves costs anything: entries are a list, with its place per vertex.
+
+use crate::adapt::{Dirty, DirtyRanges};
+use crate::lod::{Mix, Values, Vertex};
+use crate::mesh::NONE;
+
+use super::{Surface, VertexHierarchy};
+
+#[derive(Debug, Clone)]
+struct Entry<V> {
+    vertex: u32,
+    start: V,
+    /// Where it is.
+    shown: V,
+    /// Share of the way gone.
+    weight: f32,
+    closing: bool,
+    /// Whether `shown` is that of this frame.
+    done: bool,
+}
+
+/// Vertices on their way.
+#[derive(Debug, Clone)]
+struct Moving<V> {
+    mix: Mix<V>,
+    /// Per vertex its entry, or `NONE`.
+    entry_of: Vec<u32>,
+    entries: Vec<Entry<V>>,
+    chain: Vec<u32>,
+    /// Vertices that came to rest, or came there at once, in this frame.
+    rested: Vec<u32>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Vertices<V> {
+    /// Every vertex at rest.
+    values: Values<V>,
+    /// What is drawn: of every slot, or of every vertex where some may move; `None` where `values` are drawn as they are.
+    drawn: Option<Vec<V>>,
+    dirty: Dirty,
+    /// `None` where vertices jump.
+    moving: Option<Moving<V>>,
+    /// Whether `values`, where they are drawn as they are, lie in a buffer for all instances.
+    shared: bool,
+}
+
+impl<V: Vertex> Vertices<V> {
+    /// All at rest, all to be uploaded. `values` must be as many as vertices. `mix` where vertices may move.
+    pub fn new(values: Values<V>, surface: &Surface, mix: Option<Mix<V>>, shared: bool) -> Self {
+        let count = values.len();
+        let drawn = match (surface.vertices(), mix) {
+            (Some(vertices), _) => Some(vertices.iter().map(|&vertex| values[vertex as usize]).collect()),
+            (None, Some(_)) => Some(values.to_vec()),
+            (None, None) => None,
+        };
+        let moving = mix.map(|mix| Moving {
+            mix,
+            entry_of: vec![NONE; count],
+            entries: Vec::new(),
+            chain: Vec::new(),
+            rested: Vec::new(),
+        });
+        let mut vertices = Self { values, drawn, dirty: Dirty::default(), moving, shared };
+        vertices.invalidate();
+        vertices
+    }
+
+    /// Every vertex at rest.
+    pub fn values(&self) -> &Values<V> {
+        &self.values
+    }
+
+    /// What the buffer holds.
+    pub fn drawn(&self) -> &[V] {
+        self.drawn.as_deref().unwrap_or(&self.values)
+    }
+
+    /// Whether the buffer is that of the values.
+    pub fn is_shared(&self) -> bool {
+        self.shared && self.drawn.is_none()
+    }
+
+    /// Where a vertex is.
+    pub fn shown(&self, vertex: u32) -> V {
+        let entry = self.moving.as_ref().and_then(|moving| moving.entry(vertex));
+        entry.map_or(self.values[vertex as usize], |entry| entry.shown)
+    }
+
+    /// Vertices that move.
+    pub fn moving(&self) -> usize {
+        self.moving.as_ref().map_or(0, |moving| moving.entries.len())
+    }
+
+    /// All go on by a share of their way.
+    pub fn advance(&mut self, hierarchy: &VertexHierarchy, progress: f32) {
+        if let Some(moving) = &mut self.moving {
+            moving.advance(hierarchy, &self.values, progress);
+        }
+    }
+
+    /// The vertices of a split start at their substitutes, or at their own places.
+    #[inline]
+    pub fn open(&mut self, hierarchy: &VertexHierarchy, split: u32, smoothly: bool) {
+        if let Self { moving: Some(moving), values, .. } = self {
+            moving.open(hierarchy, values, split, smoothly);
+        }
+    }
+
+    /// They turn to their substitutes, or to their own places.
+    pub fn turn(&mut self, hierarchy: &VertexHierarchy, split: u32, closing: bool) {
+        if let Self { moving: Some(moving), values, .. } = self {
+            moving.turn(hierarchy, values, split, closing);
+        }
+    }
+
+    /// They are gone.
+    #[inline]
+    pub fn end(&mut self, hierarchy: &VertexHierarchy, split: u32) {
+        if let Some(moving) = &mut self.moving {
+            moving.end(hierarchy, split);
+        }
+    }
+
+    /// Writes what is drawn where something moved, or where a slot got another vertex.
+    pub fn write(&mut self, surface: &mut Surface) {
+        let Self { values, drawn: Some(drawn), dirty, moving, .. } = self else { return };
+        if let Some(vertices) = surface.vertices() {
+            drawn.truncate(vertices.len());
+            for range in surface.dirty_vertices(0) {
+                for slot in range {
+                    let vertex = vertices[slot];
+                    let value = moving
+                        .as_ref()
+                        .map_or(values[vertex as usize], |moving| moving.shown(values, vertex));
+                    match drawn.get_mut(slot) {
+                        Some(drawn) => *drawn = value,
+                        None => drawn.push(value),
+                    }
+                    dirty.mark(slot as u32);
+                }
+            }
+        }
+        if let Some(moving) = moving {
+            let on_their_way = moving.entries.iter().map(|entry| entry.vertex);
+            for vertex in moving.rested.iter().copied().chain(on_their_way) {
+                // Without slots also what is not in use: it may come into use without a word.
+                let slot = if surface.vertices().is_none() { Some(vertex) } else { surface.slot(vertex) };
+                if let Some((slot, drawn)) = slot.and_then(|slot| Some((slot, drawn.get_mut(slot as usize)?)))
+                {
+                    *drawn = moving.shown(values, vertex);
+                    dirty.mark(slot);
+                }
+            }
+            moving.rested.clear();
+        }
+        surface.clean_vertices();
+    }
+
+    pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty.ranges(self.drawn().len(), gap)
+    }
+
+    pub fn clean(&mut self) {
+        self.dirty.clear();
+    }
+
+    /// Takes all for written.
+    pub fn invalidate(&mut self) {
+        self.dirty.clear();
+        if !self.is_shared() {
+            self.dirty.mark_all(self.drawn().len());
+        }
+    }
+
+    /// Bytes of its arrays, the values at rest not counted.
+    pub fn memory(&self) -> usize {
+        let moving = self
+            .moving
+            .as_ref()
+            .map_or(0, |moving| size_of_val(&moving.entry_of[..]) + size_of_val(&moving.entries[..]));
+        self.drawn.as_ref().map_or(0, |drawn| size_of_val(&drawn[..])) + self.dirty.memory() + moving
+    }
+}
+
+impl<V: Vertex> Moving<V> {
+    fn entry(&self, vertex: u32) -> Option<&Entry<V>> {
+        self.entries.get(self.entry_of[vertex as usize] as usize)
+    }
+
+    fn shown(&self, values: &[V], vertex: u32) -> V {
+        self.entry(vertex).map_or(values[vertex as usize], |entry| entry.shown)
+    }
+
+    fn start(&mut self, vertex: u32, from: V, closing: bool) {
+        let entry = Entry { vertex, start: from, shown: from, weight: 0.0, closing, done: true };
+        match self.entry_of[vertex as usize] {
+            NONE => {
+                self.entry_of[vertex as usize] = self.entries.len() as u32;
+                self.entries.push(entry);
+            }
+            at => self.entries[at as usize] = entry,
+        }
+    }
+
+    fn remove(&mut self, vertex: u32) {
+        let at = std::mem::replace(&mut self.entry_of[vertex as usize], NONE);
+        if at != NONE {
+            self.entries.swap_remove(at as usize);
+            if let Some(moved) = self.entries.get(at as usize) {
+                self.entry_of[moved.vertex as usize] = at;
+            }
+        }
+    }
+
+    fn open(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32, smoothly: bool) {
+        // The last one taken is the first that another may start at.
+        for &vertex in hierarchy.brings.get(split).iter().rev() {
+            if smoothly {
+                let from = self.shown(values, hierarchy.substitute[vertex as usize]);
+                self.start(vertex, from, false);
+            } else {
+                self.remove(vertex);
+                self.rested.push(vertex);
+            }
+        }
+    }
+
+    fn turn(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32, closing: bool) {
+        for &vertex in hierarchy.brings.get(split) {
+            let from = self.shown(values, vertex);
+            self.start(vertex, from, closing);
+        }
+    }
+
+    fn end(&mut self, hierarchy: &VertexHierarchy, split: u32) {
+        hierarchy.brings.get(split).iter().for_each(|&vertex| self.remove(vertex));
+    }
+
+    /// Finds where an entry is, and first its substitute if it goes there.
+    fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], at: usize) {
+        self.chain.clear();
+        let mut next = at as u32;
+        while let Some(entry) = self.entries.get(next as usize).filter(|entry| !entry.done) {
+            self.chain.push(next);
+            if !entry.closing {
+                break;
+            }
+            next = self.entry_of[hierarchy.substitute[entry.vertex as usize] as usize];
+        }
+        while let Some(at) = self.chain.pop() {
+            let Entry { vertex, start, weight, closing, .. } = self.entries[at as usize];
+            let goal = if closing {
+                self.shown(values, hierarchy.substitute[vertex as usize])
+            } else {
+                values[vertex as usize]
+            };
+            let shown = (self.mix.blend)(&start, &goal, weight);
+            let entry = &mut self.entries[at as usize];
+            entry.shown = shown;
+            entry.done = true;
+        }
+    }
+
+    fn advance(&mut self, hierarchy: &VertexHierarchy, values: &[V], progress: f32) {
+        for entry in &mut self.entries {
+            entry.weight = (entry.weight + progress).min(1.0);
+            entry.done = false;
+        }
+        for at in 0..self.entries.len() {
+            self.find(hierarchy, values, at);
+        }
+        let mut at = 0;
+        while at < self.entries.len() {
+            let Entry { vertex, weight, closing, .. } = self.entries[at];
+            if !closing && weight >= 1.0 {
+                self.remove(vertex);
+                self.rested.push(vertex);
+            } else {
+                at += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! A structure together with its vertices and where they come from: what is baked, loaded, and shared by instances.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::adapt::Blend;
+use crate::error::MeshError;
+use crate::mesh::Mesh;
+use crate::simplify::CollapseSequence;
+
+use super::{Extracted, FromSequence, Level, LodError, LodOptions, Origins, Structure, Values, Vertex};
+
+/// A structure, its vertices (positions, attributes, locks, names of materials) in its own order, and their origins. Immutable;
+/// clones share everything.
+///
+/// Made by [`Structure::bake`], by [`Baked::of_sequence`] and from files, which are checked ([`Baked::from_bytes`], serde).
+/// Duplicates and vertices that no triangle uses are left out.
+pub struct Baked<S: Structure> {
+    structure: Arc<S>,
+    shared: Arc<Shared<S>>,
+}
+
+struct Shared<S: Structure> {
+    /// Empty where the structure keeps its vertices itself.
+    vertices: Mesh,
+    origins: Origins,
+    table: OnceLock<Result<S::Table, LodError>>,
+}
+
+impl<S: Structure> Clone for Baked<S> {
+    fn clone(&self) -> Self {
+        Self { structure: Arc::clone(&self.structure), shared: Arc::clone(&self.shared) }
+    }
+}
+
+impl<S: Structure> std::fmt::Debug for Baked<S> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (vertices, triangles) = (self.structure.vertex_count(), self.structure.triangle_count());
+        write!(f, "Baked({}: {vertices} vertices, {triangles} triangles)", S::KIND)
+    }
+}
+
+impl<S: Structure + PartialEq> PartialEq for Baked<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.structure == other.structure
+            && self.shared.vertices == other.shared.vertices
+            && self.shared.origins == other.shared.origins
+    }
+}
+
+impl<S: FromSequence> Baked<S> {
+    /// The structure of a simplification that one has. O(n log n).
+    ///
+    /// # Errors
+    /// The sequence belongs to another mesh, does not hold together, or is not one that the structure can be built from.
+    pub fn of_sequence(
+        mesh: &Mesh,
+        sequence: &CollapseSequence,
+        options: &S::Options,
+    ) -> Result<Self, S::Error> {
+        S::bake_sequence(mesh, sequence, options, &mut |_| std::ops::ControlFlow::Continue(()))
+    }
+}
+
+impl<S: Structure> Baked<S> {
+    /// Of a structure and its vertices, `None` where it keeps them itself.
+    pub(crate) fn new(structure: S, vertices: Option<Mesh>, origins: Origins) -> Self {
+        let vertices = vertices.unwrap_or_default();
+        let shared = Shared { vertices, origins, table: OnceLock::new() };
+        Self { structure: Arc::new(structure), shared: Arc::new(shared) }
+    }
+
+    /// The structure, shared with all instances.
+    pub fn structure(&self) -> &Arc<S> {
+        &self.structure
+    }
+
+    /// The vertices in the structure's order: positions, attributes, locks, and the names of materials. Has no triangles; those
+    /// are the structure's.
+    pub fn vertices(&self) -> &Mesh {
+        self.structure.own_vertices().unwrap_or(&self.shared.vertices)
+    }
+
+    /// Where they come from.
+    pub fn origins(&self) -> &Origins {
+        &self.shared.origins
+    }
+
+    /// Smallest and largest corner of the box around the full resolution; `None` without triangles. O(n).
+    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        self.structure.extent(self.vertices())
+    }
+
+    /// Values of the input's vertices, of any type, in the structure's order: what instances draw. O(n).
+    ///
+    /// # Errors
+    /// As [`Origins::arrange`]: other than one value a vertex of the input; a structure with vertices that are none of the
+    /// input's, which take [`Baked::arrange_blended`]; values that differ where the mesh said that vertices are one.
+    pub fn arrange<V: Vertex>(&self, values: &[V]) -> Result<Values<V>, MeshError> {
+        self.shared.origins.arrange(values).map(Values::from)
+    }
+
+    /// The same where the structure has vertices that are none of the input's: their values are mixed, and `place` puts those
+    /// where the structure has them. Instances may mix the values too ([`Values::with_blending`]).
+    ///
+    /// # Errors
+    /// Other than one value a vertex of the input; values that differ where the mesh said that vertices are one.
+    pub fn arrange_blended<V: Vertex + Blend>(
+        &self,
+        values: &[V],
+        place: impl FnMut(&mut V, [f32; 3]),
+    ) -> Result<Values<V>, MeshError> {
+        let arranged = self.shared.origins.arrange_blended(values, self.vertices().positions(), place)?;
+        Ok(Values::from(arranged).with_blending())
+    }
+
+    /// Values made from the model's own vertices: `value` is told a number of [`Baked::vertices`]. O(n).
+    pub fn values<V: Vertex>(&self, value: impl FnMut(usize) -> V) -> Values<V> {
+        Values::from((0..self.structure.vertex_count()).map(value).collect::<Vec<V>>())
+    }
+
+    /// A drawn instance, at the coarsest level of detail.
+    ///
+    /// # Errors
+    /// There are not as many values as vertices, or they would have to be mixed and cannot be.
+    pub fn instance<V: Vertex>(
+        &self,
+        values: impl Into<Values<V>>,
+        options: &LodOptions,
+    ) -> Result<S::Instance<V>, LodError> {
+        let values = values.into();
+        let (found, expected) = (values.len(), self.structure.vertex_count());
+        if found != expected {
+            return Err(LodError::Length { found, expected });
+        }
+        S::instance(self, values, options)
+    }
+
+    /// The finest level of detail of the whole model that does not exceed what is asked for, as a mesh of its own. O(n).
+    pub fn level(&self, level: Level) -> Extracted {
+        S::level(self, level)
+    }
+
+    /// What instances share besides the structure, made by the first that asks.
+    ///
+    /// # Errors
+    /// It would be too large.
+    pub fn table(&self) -> Result<&S::Table, LodError> {
+        self.shared.table.get_or_init(|| S::table(self)).as_ref().map_err(LodError::clone)
+    }
+
+    /// Bytes of structure and vertices; origins and instances are not counted.
+    pub fn memory(&self) -> usize {
+        self.vertices().memory() + self.structure.structure_memory()
+    }
+
+    /// Bytes of the full resolution as a plain indexed mesh, to compare [`Baked::memory`] with.
+    pub fn plain_memory(&self) -> usize {
+        let vertices = self.vertices();
+        let attributes: usize = vertices.attributes().iter().map(|a| size_of::<f32>() * a.width()).sum();
+        let lock = usize::from(!vertices.locks().is_empty());
+        let material = if self.structure.materials().is_empty() { 0 } else { size_of::<u32>() };
+        (size_of::<[f32; 3]>() + attributes + lock) * self.structure.finest_vertex_count()
+            + (size_of::<[u32; 3]>() + material) * self.structure.triangle_count()
+    }
+}
+
+/// What is written, in this order.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize)]
+struct Written<'a, S> {
+    vertices: &'a Mesh,
+    structure: &'a S,
+    origins: &'a Origins,
+}
+
+#[cfg(feature = "serde")]
+impl<S: Structure + serde::Serialize> serde::Serialize for Baked<S> {
+    fn serialize<Z: serde::Serializer>(&self, serializer: Z) -> Result<Z::Ok, Z::Error> {
+        let Shared { vertices, origins, .. } = &*self.shared;
+        Written { vertices, structure: &*self.structure, origins }.serialize(serializer)
+    }
+}
+
+/// What comes out of a file, each valid by itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Read<S> {
+    vertices: Mesh,
+    structure: S,
+    origins: Origins,
+}
+
+#[cfg(feature = "serde")]
+impl<'de, S: Structure + serde::Deserialize<'de>> serde::Deserialize<'de> for Baked<S> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        use serde::de::Error;
+        let Read { vertices, structure, origins } = Read::<S>::deserialize(deserializer)?;
+        structure.check_vertices(&vertices).map_err(D::Error::custom)?;
+        let (found, expected) = (origins.len(), structure.vertex_count());
+        if found != expected {
+            return Err(D::Error::custom(format!("there are {found} origins where {expected} are needed")));
+        }
+        Ok(Self::new(structure, Some(vertices), origins))
+    }
+}

@@ -1,0 +1,123 @@
+//! A baked model of whatever structure: for programs that draw files and need not know what is in them.
+
+use std::any::Any;
+
+use crate::mesh::Mesh;
+
+use super::{
+    Baked, Extracted, Level, Lod, LodError, LodOptions, Origins, Structure, Values, Vertex, VertexRank,
+};
+
+/// A [`Baked`] model whose structure is not known, drawn with vertices of type `V`. Read by [`io::read_model`](crate::io::read_model).
+#[cfg_attr(not(feature = "io"), allow(rustdoc::broken_intra_doc_links))]
+pub trait Model<V: Vertex>: Any + Send + Sync {
+    /// The name of its structure's kind.
+    fn kind(&self) -> &'static str;
+
+    /// [`Structure::TRIANGULATIONS`].
+    fn has_triangulations(&self) -> bool;
+
+    /// [`Baked::vertices`].
+    fn vertices(&self) -> &Mesh;
+
+    /// [`Baked::origins`].
+    fn origins(&self) -> &Origins;
+
+    /// [`Baked::bounds`].
+    fn bounds(&self) -> Option<[[f32; 3]; 2]>;
+
+    /// Vertices, each of which an instance may draw.
+    fn vertex_count(&self) -> usize;
+
+    /// Vertices of the full resolution.
+    fn finest_vertex_count(&self) -> usize;
+
+    /// Triangles of the full resolution and of the coarsest level of detail.
+    fn triangle_counts(&self) -> [usize; 2];
+
+    /// The material ids in use, ascending; empty where there are none.
+    fn materials(&self) -> &[u32];
+
+    /// [`Structure::vertex_ranks`].
+    fn vertex_ranks(&self) -> Vec<VertexRank>;
+
+    /// [`Baked::memory`].
+    fn memory(&self) -> usize;
+
+    /// [`Baked::plain_memory`].
+    fn plain_memory(&self) -> usize;
+
+    /// [`Baked::instance`].
+    ///
+    /// # Errors
+    /// Those of [`Baked::instance`].
+    fn instance(&self, values: &Values<V>, options: &LodOptions) -> Result<Box<dyn Lod>, LodError>;
+
+    /// [`Baked::level`].
+    fn level(&self, level: Level) -> Extracted;
+
+    /// The [`Baked`] model itself, to be cast to that of a structure that one knows.
+    fn as_any(&self) -> &dyn Any;
+}
+
+impl<S: Structure, V: Vertex> Model<V> for Baked<S> {
+    fn kind(&self) -> &'static str {
+        S::KIND
+    }
+
+    fn has_triangulations(&self) -> bool {
+        S::TRIANGULATIONS
+    }
+
+    fn vertices(&self) -> &Mesh {
+        self.vertices()
+    }
+
+    fn origins(&self) -> &Origins {
+        self.origins()
+    }
+
+    fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        self.bounds()
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.structure().vertex_count()
+    }
+
+    fn finest_vertex_count(&self) -> usize {
+        self.structure().finest_vertex_count()
+    }
+
+    fn triangle_counts(&self) -> [usize; 2] {
+        [self.structure().triangle_count(), self.structure().base_triangle_count()]
+    }
+
+    fn materials(&self) -> &[u32] {
+        self.structure().materials()
+    }
+
+    fn vertex_ranks(&self) -> Vec<VertexRank> {
+        self.structure().vertex_ranks()
+    }
+
+    fn memory(&self) -> usize {
+        self.memory()
+    }
+
+    fn plain_memory(&self) -> usize {
+        self.plain_memory()
+    }
+
+    fn instance(&self, values: &Values<V>, options: &LodOptions) -> Result<Box<dyn Lod>, LodError> {
+        Ok(Box::new(self.instance(values.clone(), options)?))
+    }
+
+    fn level(&self, level: Level) -> Extracted {
+        self.level(level)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

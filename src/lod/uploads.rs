@@ -1,0 +1,115 @@
+//! What a frame writes and draws, in the terms of graphics interfaces: buffers, offsets, bytes and ranges of indices.
+
+use std::ops::Range;
+
+use crate::adapt::DirtyRanges;
+
+use super::Lod;
+
+/// Bytes between two written ranges that are uploaded rather than parted: less than one more write costs.
+const GAP: usize = 48;
+/// Bytes of a triangle's indices.
+const TRIANGLE: usize = size_of::<[u32; 3]>();
+
+/// One write into a buffer: with wgpu, `queue.write_buffer(&buffers[upload.buffer], upload.offset, upload.bytes)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Upload<'a> {
+    /// 0: vertices; `1 + group`: indices of a group.
+    pub buffer: usize,
+    /// Where in the buffer, bytes from its start. A multiple of 4, as the length is, if the size of a vertex is.
+    pub offset: u64,
+    /// What to write.
+    pub bytes: &'a [u8],
+    /// Bytes that the buffer holds from now on: it must be at least that large.
+    pub size: u64,
+}
+
+/// All writes of a frame; see [`Lod::uploads`].
+#[derive(Clone)]
+pub struct Uploads<'a> {
+    lod: &'a dyn Lod,
+    buffer: usize,
+    ranges: DirtyRanges<'a>,
+}
+
+impl<'a> Uploads<'a> {
+    /// Those of an instance: what [`Lod::uploads`] returns.
+    pub fn new(lod: &'a dyn Lod) -> Self {
+        let gap = GAP / lod.vertex_size().max(1);
+        let ranges = if lod.shares_vertices() { DirtyRanges::none() } else { lod.dirty_vertices(gap) };
+        Self { lod, buffer: 0, ranges }
+    }
+}
+
+impl<'a> Iterator for Uploads<'a> {
+    type Item = Upload<'a>;
+
+    fn next(&mut self) -> Option<Upload<'a>> {
+        loop {
+            if let Some(range) = self.ranges.next() {
+                let (all, each) = match self.buffer.checked_sub(1) {
+                    None => (self.lod.vertex_bytes(), self.lod.vertex_size()),
+                    Some(group) => (bytemuck::cast_slice(self.lod.triangles(group)), TRIANGLE),
+                };
+                // Vertices without values have no bytes.
+                let Some(bytes) = all.get(range.start * each..range.end * each).filter(|b| !b.is_empty())
+                else {
+                    continue;
+                };
+                let (offset, size) = ((range.start * each) as u64, all.len() as u64);
+                return Some(Upload { buffer: self.buffer, offset, bytes, size });
+            }
+            if self.buffer >= self.lod.groups() {
+                return None;
+            }
+            self.buffer += 1;
+            self.ranges = self.lod.dirty_triangles(self.buffer - 1, GAP / TRIANGLE);
+        }
+    }
+}
+
+/// One indexed draw: with wgpu, `pass.draw_indexed(draw.indices, draw.base_vertex, 0..1)` with the index buffer `draw.buffer`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Draw {
+    /// The buffer with its indices, as in [`Upload::buffer`].
+    pub buffer: usize,
+    /// Indices of that buffer.
+    pub indices: Range<u32>,
+    /// Added to every index.
+    pub base_vertex: i32,
+    /// The material id; `u32::MAX` where the mesh has no materials.
+    pub material: u32,
+}
+
+/// All draws of a frame; see [`Lod::draws`].
+#[derive(Clone)]
+pub struct Draws<'a> {
+    lod: &'a dyn Lod,
+    group: usize,
+}
+
+impl<'a> Draws<'a> {
+    /// Those of an instance: what [`Lod::draws`] returns.
+    pub fn new(lod: &'a dyn Lod) -> Self {
+        Self { lod, group: 0 }
+    }
+}
+
+impl Iterator for Draws<'_> {
+    type Item = Draw;
+
+    fn next(&mut self) -> Option<Draw> {
+        while self.group < self.lod.groups() {
+            let group = self.group;
+            self.group += 1;
+            let count = 3 * self.lod.triangles(group).len() as u32;
+            if count > 0 {
+                let material = self.lod.material(group);
+                return Some(Draw { buffer: 1 + group, indices: 0..count, base_vertex: 0, material });
+            }
+        }
+        None
+    }
+}

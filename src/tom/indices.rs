@@ -1,0 +1,93 @@
+//! An index buffer that moves between resolutions for the cost of what differs.
+//!
+//! ```text
+//!     buffer   | drawn of material 0 ...... | not drawn | drawn of material 1 ... | not drawn |
+//! ```
+//!
+//! A triangle that vanishes keeps its place and the corners it had; when it comes back, those are the right ones.
+
+use std::sync::Arc;
+
+use super::{Change, MaterialRange, Resolution, TomSteps};
+
+#[derive(Debug, Clone)]
+pub(super) struct Indices {
+    steps: Arc<TomSteps>,
+    buffer: Vec<u32>,
+    ranges: Vec<MaterialRange>,
+    resolution: Resolution,
+}
+
+impl Indices {
+    /// At full resolution.
+    pub fn new(steps: Arc<TomSteps>) -> Self {
+        let tom = steps.tom();
+        let mut buffer = vec![0; 3 * tom.triangle_count()];
+        let mut ranges = steps.empty_ranges().to_vec();
+        for (t, corners) in tom.triangles().iter().enumerate() {
+            let place = 3 * steps.place(t as u32) as usize;
+            buffer[place..place + 3].copy_from_slice(corners);
+            ranges[steps.range_of(t as u32)].count += 3;
+        }
+        let resolution = tom.finest();
+        Self { steps, buffer, ranges, resolution }
+    }
+
+    pub fn steps(&self) -> &Arc<TomSteps> {
+        &self.steps
+    }
+
+    pub fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// All places, drawn or not.
+    pub fn buffer(&self) -> &[u32] {
+        &self.buffer
+    }
+
+    /// What is drawn of each material, or of all.
+    pub fn ranges(&self) -> &[MaterialRange] {
+        &self.ranges
+    }
+
+    /// Moves to a resolution of this mesh. `wrote` is told every place that was written, some twice.
+    pub fn seek(&mut self, resolution: Resolution, mut wrote: impl FnMut(u32)) -> Change {
+        let Self { steps, buffer, ranges, resolution: from } = self;
+        let (tom, from) = (steps.tom(), *from);
+        // Whole groups, whatever mesh the resolution was made for.
+        let to = tom.resolution(tom.boundary_at_most(tom.clamp(resolution).vertices));
+        let mut written = 0;
+        let mut write = |places: &[u32], vertex: u32| {
+            for &place in places {
+                buffer[place as usize] = vertex;
+                wrote(place);
+            }
+            written += places.len();
+        };
+        for vertex in from.vertices..to.vertices {
+            write(steps.moves(vertex), vertex);
+        }
+        let mut active = from.vertices;
+        while active > to.vertices {
+            let first = tom.boundary_at_most(active - 1);
+            for vertex in first..active {
+                write(steps.moves(vertex), tom.resolve(vertex, first));
+            }
+            active = first;
+        }
+        for triangle in from.triangles..to.triangles {
+            ranges[steps.range_of(triangle)].count += 3;
+        }
+        for triangle in to.triangles..from.triangles {
+            ranges[steps.range_of(triangle)].count -= 3;
+        }
+        self.resolution = to;
+        Change { from, to, written }
+    }
+
+    /// Bytes of its arrays.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.buffer[..]) + size_of_val(&self.ranges[..])
+    }
+}

@@ -1,0 +1,424 @@
+//! One drawn instance of a totally ordered mesh: one resolution for all of the model, by what its nearest point asks for.
+//!
+//! ```text
+//!     where vertices move: one transition at a time between two resolutions, drawn with the finer one's triangles
+//!
+//!     coarse  |----o=====================>|  fine       vertices between the two move from their targets to their own
+//!             0   share of the way        1             places, or back; turned round where the view turns round
+//! ```
+
+use std::sync::Arc;
+
+use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
+use crate::lod::{
+    Baked, Draws, Level, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer,
+};
+use crate::mesh::{Mesh, NONE};
+use crate::view::{Bounds, Criterion, Motion, ObjectView};
+
+use super::indices::Indices;
+use super::{Resolution, TotallyOrderedMesh};
+
+/// One drawn instance of a [`TotallyOrderedMesh`], at the coarsest resolution whose error bound is within the tolerance at the
+/// point of the model's sphere that is nearest to the eye.
+///
+/// Vertices in use come first in the total order, so a packed vertex buffer is a prefix of the whole one, and what was
+/// uploaded once is not uploaded again. Triangles that vanish keep their place behind those that are drawn, so the same
+/// holds for them.
+#[derive(Debug, Clone)]
+pub struct TomLod<V> {
+    model: Baked<TotallyOrderedMesh>,
+    options: LodOptions,
+    factor: f32,
+    views: Vec<ObjectView>,
+    /// Around all of the model, with an error of one diagonal.
+    bounds: Bounds,
+    diagonal: f32,
+    /// What the views ask for, within the limit of triangles.
+    wanted: Resolution,
+    indices: Indices,
+    /// Written places of triangles, drawn or not.
+    dirty_triangles: Dirty,
+    values: Values<V>,
+    /// Written vertices, in use or not.
+    dirty_vertices: Dirty,
+    moving: Option<Moving<V>>,
+}
+
+/// Vertices that move.
+#[derive(Debug, Clone)]
+struct Moving<V> {
+    mix: Mix<V>,
+    /// Per vertex what is drawn.
+    drawn: Vec<V>,
+    transition: Option<Transition>,
+    /// Per vertex between the two resolutions of the transition the one that it moves to.
+    targets: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Transition {
+    coarse: Resolution,
+    fine: Resolution,
+    /// Share of the way from coarse to fine.
+    share: f32,
+    opening: bool,
+}
+
+fn mix_for<V: Vertex>(values: &Values<V>, options: &LodOptions) -> Result<Option<Mix<V>>, LodError> {
+    if options.geomorph.is_none() {
+        return Ok(None);
+    }
+    values.mix().map(Some).ok_or(LodError::NeedsBlending { what: "a geomorph" })
+}
+
+impl<V: Vertex> TomLod<V> {
+    /// At the coarsest resolution. There are as many values as vertices.
+    pub(super) fn of(
+        model: &Baked<TotallyOrderedMesh>,
+        values: Values<V>,
+        options: &LodOptions,
+    ) -> Result<Self, LodError> {
+        let mix = mix_for(&values, options)?;
+        let [low, high] = model.bounds().unwrap_or_default().map(glam::Vec3::from_array);
+        // Half of each first, so that no box is too large for it.
+        let (centre, radius) = (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).length());
+        let diagonal = (2.0 * radius).min(f32::MAX);
+        let mut indices = Indices::new(Arc::clone(model.table()?));
+        let coarsest = model.structure().coarsest();
+        indices.seek(coarsest, |_| {});
+        let mut lod = Self {
+            model: model.clone(),
+            options: *options,
+            factor: 1.0,
+            views: Vec::new(),
+            bounds: Bounds::new(centre.to_array(), radius, diagonal, diagonal),
+            diagonal,
+            wanted: coarsest,
+            indices,
+            dirty_triangles: Dirty::default(),
+            moving: mix.map(|mix| Moving::new(mix, &values)),
+            values,
+            dirty_vertices: Dirty::default(),
+        };
+        lod.invalidate();
+        Ok(lod)
+    }
+
+    /// The structure.
+    pub fn tom(&self) -> &Arc<TotallyOrderedMesh> {
+        self.model.structure()
+    }
+
+    /// The resolution whose triangles are drawn.
+    pub fn resolution(&self) -> Resolution {
+        self.indices.resolution()
+    }
+
+    /// The values that are drawn, of every vertex of the structure.
+    pub fn values(&self) -> &[V] {
+        self.moving.as_ref().map_or(&self.values, |moving| &moving.drawn)
+    }
+
+    /// What is asked for from now on: moves there, and on if vertices are on their way.
+    fn follow(&mut self, wanted: Resolution, progress: f32) -> Change {
+        let before = self.indices.resolution();
+        self.wanted = wanted;
+        if progress < 1.0 && self.moving.is_some() && !self.is_above_limit() {
+            self.advance(progress);
+            self.turn();
+            if self.transition().is_none() {
+                let to = self.step_towards(wanted);
+                self.start(to, progress);
+            }
+        } else {
+            self.rest();
+            let to = if self.is_above_limit() { wanted } else { self.step_towards(wanted) };
+            self.seek(to);
+        }
+        let now = self.indices.resolution();
+        Change {
+            cut: CutReport {
+                tests: self.views.len(),
+                splits: now.vertices().saturating_sub(before.vertices()),
+                collapses: before.vertices().saturating_sub(now.vertices()),
+            },
+            triangles: now.triangles(),
+            pending: now.vertices().abs_diff(wanted.vertices()),
+            moving: self.transition().map_or(0, |t| t.fine.vertices() - t.coarse.vertices()),
+            over_budget: self.options.triangles.is_some_and(|most| now.triangles() > most),
+        }
+    }
+
+    /// What the limit of triangles leaves of a resolution.
+    fn within_limit(&self, wanted: Resolution) -> Resolution {
+        let Some(most) = self.options.triangles else { return wanted };
+        if wanted.triangles() <= most { wanted } else { self.tom().at(Level::Triangles(most)) }
+    }
+
+    /// Whether more is drawn than the limit allows, and need not be.
+    fn is_above_limit(&self) -> bool {
+        let now = self.indices.resolution();
+        self.options.triangles.is_some_and(|most| now.triangles() > most)
+            && now.vertices() > self.tom().coarsest().vertices()
+    }
+
+    /// As far towards a resolution as one call may go, at least one step.
+    fn step_towards(&self, wanted: Resolution) -> Resolution {
+        let (tom, now) = (self.tom(), self.indices.resolution());
+        let Some(most) = self.options.operations else { return wanted };
+        if now.vertices().abs_diff(wanted.vertices()) <= most {
+            return wanted;
+        }
+        if wanted.vertices() > now.vertices() {
+            let to = tom.at(Level::Vertices(now.vertices() + most));
+            return if to.vertices() > now.vertices() { to } else { tom.finer(now).unwrap_or(now) };
+        }
+        let to = tom.at(Level::Vertices(now.vertices().saturating_sub(most)));
+        // Whole groups: one that was cut into is left for the next call, unless it is the first.
+        let to = if to.vertices() + most < now.vertices() { tom.finer(to).unwrap_or(to) } else { to };
+        if to.vertices() < now.vertices() { to } else { tom.coarser(now).unwrap_or(now) }
+    }
+
+    fn transition(&self) -> Option<&Transition> {
+        self.moving.as_ref().and_then(|moving| moving.transition.as_ref())
+    }
+
+    /// The transition goes on by a share of its way, and ends where it has come there.
+    fn advance(&mut self, progress: f32) {
+        let Some(Moving { transition: Some(transition), .. }) = &mut self.moving else { return };
+        let Transition { share, opening, coarse, .. } = transition;
+        *share = (*share + if *opening { progress } else { -progress }).clamp(0.0, 1.0);
+        let (share, opening, coarse) = (*share, *opening, *coarse);
+        if opening && share >= 1.0 {
+            self.rest();
+        } else if !opening && share <= 0.0 {
+            self.rest();
+            self.seek(coarse);
+        } else {
+            self.place();
+        }
+    }
+
+    /// Turns the transition round where what is wanted lies on the other side.
+    fn turn(&mut self) {
+        let wanted = self.wanted.vertices();
+        let Some(Moving { transition: Some(t), .. }) = &mut self.moving else { return };
+        if t.opening && wanted <= t.coarse.vertices() || !t.opening && wanted >= t.fine.vertices() {
+            t.opening = !t.opening;
+        }
+    }
+
+    /// Starts a transition; the first step of it is taken with the next call.
+    fn start(&mut self, to: Resolution, progress: f32) {
+        let now = self.indices.resolution();
+        if to.vertices() == now.vertices() {
+            return;
+        }
+        let seen = self.views.iter().any(|view| view.sees(&self.bounds));
+        if !seen || progress >= 1.0 {
+            return self.seek(to);
+        }
+        let opening = to.vertices() > now.vertices();
+        let (coarse, fine) = if opening { (now, to) } else { (to, now) };
+        let tom = Arc::clone(self.tom());
+        let Some(moving) = &mut self.moving else { return };
+        tom.geomorph(coarse, fine, &mut moving.targets);
+        let share = if opening { 0.0 } else { 1.0 };
+        moving.transition = Some(Transition { coarse, fine, share, opening });
+        if opening {
+            self.seek(fine);
+            self.place();
+        }
+    }
+
+    /// Writes where vertices of the transition are.
+    fn place(&mut self) {
+        let Some(Moving { mix, drawn, transition: Some(t), targets }) = &mut self.moving else { return };
+        for (vertex, &target) in (t.coarse.vertices..t.fine.vertices).zip(&*targets) {
+            let [from, own] = [target, vertex].map(|v| self.values[v as usize]);
+            drawn[vertex as usize] = (mix.blend)(&from, &own, t.share);
+            self.dirty_vertices.mark(vertex);
+        }
+    }
+
+    /// Ends the transition, every vertex at its own place.
+    fn rest(&mut self) {
+        let Some(Moving { drawn, transition, .. }) = &mut self.moving else { return };
+        let Some(t) = transition.take() else { return };
+        for vertex in t.coarse.vertices..t.fine.vertices {
+            drawn[vertex as usize] = self.values[vertex as usize];
+            self.dirty_vertices.mark(vertex);
+        }
+    }
+
+    fn seek(&mut self, to: Resolution) {
+        let Self { indices, dirty_triangles, .. } = self;
+        indices.seek(to, |place| dirty_triangles.mark(place / 3));
+    }
+
+    /// Places of the triangles of a group that are drawn.
+    fn places(&self, group: usize) -> std::ops::Range<usize> {
+        let range = self.indices.ranges().get(group).copied().unwrap_or_default();
+        range.start as usize / 3..(range.start + range.count) as usize / 3
+    }
+
+    /// Vertices that lie in the buffer.
+    fn buffered(&self) -> usize {
+        match self.options.buffer {
+            VertexBuffer::Packed => self.indices.resolution().vertices(),
+            _ => self.values.len(),
+        }
+    }
+}
+
+impl<V: Vertex> Moving<V> {
+    fn new(mix: Mix<V>, values: &[V]) -> Self {
+        Self { mix, drawn: values.to_vec(), transition: None, targets: Vec::new() }
+    }
+}
+
+impl<V: Vertex> Lod for TomLod<V> {
+    fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        let motion = match self.views.is_empty() {
+            true => Motion::Other,
+            false => Criterion::<Bounds>::motion(views, &self.views),
+        };
+        self.views.clear();
+        self.views.extend_from_slice(views);
+        // By how much tolerances would have to grow for an error of one diagonal to be none too large: what is left of the
+        // diagonal is the largest error that is allowed.
+        let urgency = views.urgency(&self.bounds);
+        let level = if urgency > 0.0 {
+            Level::Error((f64::from(self.diagonal) * f64::from(self.factor) / urgency) as f32)
+        } else {
+            Level::Vertices(0)
+        };
+        let wanted = self.within_limit(self.tom().at(level));
+        let diagonal = f64::from(self.diagonal);
+        let progress =
+            self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
+        self.follow(wanted, progress)
+    }
+
+    fn refine_fully(&mut self) -> Change {
+        self.views.clear();
+        let wanted = self.within_limit(self.tom().finest());
+        self.rest();
+        self.follow(wanted, 1.0)
+    }
+
+    fn settle(&mut self) {
+        self.rest();
+        self.seek(self.wanted);
+    }
+
+    fn options(&self) -> &LodOptions {
+        &self.options
+    }
+
+    fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
+        let mix = mix_for(&self.values, options)?;
+        let moves = mix.is_some() != self.moving.is_some();
+        let rebuilt = moves || options.buffer != self.options.buffer;
+        if rebuilt || options.is_immediate() {
+            self.settle();
+        }
+        self.options = *options;
+        if moves {
+            self.moving = mix.map(|mix| Moving::new(mix, &self.values));
+        }
+        if rebuilt {
+            self.invalidate();
+        }
+        Ok(())
+    }
+
+    fn tolerance_factor(&self) -> f32 {
+        self.factor
+    }
+
+    fn set_tolerance_factor(&mut self, factor: f32) {
+        if factor > 0.0 && factor.is_finite() {
+            self.factor = factor;
+        }
+    }
+
+    fn refinements(&self) -> usize {
+        self.wanted.vertices() - self.tom().coarsest().vertices()
+    }
+
+    fn groups(&self) -> usize {
+        self.indices.ranges().len().max(1)
+    }
+
+    fn material(&self, group: usize) -> u32 {
+        self.indices.ranges().get(group).map_or(NONE, |range| range.material)
+    }
+
+    fn triangles(&self, group: usize) -> &[[u32; 3]] {
+        let places = self.places(group);
+        bytemuck::cast_slice(&self.indices.buffer()[3 * places.start..3 * places.end])
+    }
+
+    fn vertices(&self) -> Option<&[u32]> {
+        None
+    }
+
+    fn vertex_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.values()[..self.buffered()])
+    }
+
+    fn vertex_size(&self) -> usize {
+        size_of::<V>()
+    }
+
+    fn shares_vertices(&self) -> bool {
+        self.options.buffer == VertexBuffer::Shared && self.moving.is_none()
+    }
+
+    fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
+        self.dirty_triangles.ranges_of(self.places(group), gap)
+    }
+
+    fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty_vertices.ranges(self.buffered(), gap)
+    }
+
+    fn uploads(&self) -> Uploads<'_> {
+        Uploads::new(self)
+    }
+
+    fn draws(&self) -> Draws<'_> {
+        Draws::new(self)
+    }
+
+    /// What is not drawn keeps its marks: nobody uploaded it.
+    fn clean(&mut self) {
+        for group in 0..self.groups() {
+            let places = self.places(group);
+            self.dirty_triangles.clear_range(places);
+        }
+        let buffered = self.buffered();
+        self.dirty_vertices.clear_range(0..buffered);
+    }
+
+    fn invalidate(&mut self) {
+        self.dirty_triangles.mark_all(self.tom().triangle_count());
+        self.dirty_vertices.clear();
+        if !self.shares_vertices() {
+            self.dirty_vertices.mark_all(self.values.len());
+        }
+    }
+
+    fn to_mesh(&self) -> Mesh {
+        self.model.mesh_at(self.indices.resolution())
+    }
+
+    fn memory(&self) -> usize {
+        let moving = self.moving.as_ref().map_or(0, |moving| {
+            size_of_val(&moving.drawn[..]) + moving.targets.capacity() * size_of::<u32>()
+        });
+        self.indices.memory() + self.dirty_triangles.memory() + self.dirty_vertices.memory() + moving
+    }
+}
