@@ -12,7 +12,8 @@ use meshes::*;
 use multires::mesh::{Attribute, Mesh, names};
 use multires::simplify::metric::{Attributes, Dependence, Quadric, Substitutions, WithAttributes};
 use multires::simplify::{
-    AttributeWeights, Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
+    AttributeWeights, Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier,
+    WorkingSurface,
 };
 
 const PLACEMENTS: [Placement; 4] =
@@ -36,11 +37,11 @@ impl ErrorMetric for Nothing {
     fn name(&self) -> &'static str {
         "nothing"
     }
-    fn begin(&mut self, _: &Surface, _: Batch) {}
-    fn cost(&self, _: &Surface, _: Pair, _: [f32; 3]) -> f32 {
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
+    fn cost(&self, _: &WorkingSurface, _: Pair, _: [f32; 3]) -> f32 {
         0.0
     }
-    fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
         None
     }
     fn dependence(&self) -> Dependence {
@@ -87,7 +88,7 @@ impl ErrorMetric for Checked {
         "checked"
     }
 
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.inner.begin(surface, batch);
         let stride = self.values[0].len();
         let scale = self.unit * surface.frame().scale();
@@ -109,24 +110,24 @@ impl ErrorMetric for Checked {
         }
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.inner.cost(surface, pair, position)
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         self.inner.cost_at_kept(surface, pair)
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.inner.optimum(surface, pair)
     }
 
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.pair = pair;
         self.inner.collapsing(surface, pair, position);
     }
 
-    fn substituting(&mut self, surface: &Surface, s: Substitutions<'_>) {
+    fn substituting(&mut self, surface: &WorkingSurface, s: Substitutions<'_>) {
         for vertex in (s.first_new..).take(s.new_vertices.len()) {
             // The value of least deviation: the mean of what every triangle's plane says there, by area.
             let sources = || s.pairs.iter().filter(|p| p[1] == vertex).map(|p| p[0]);

@@ -307,7 +307,7 @@ fn bad_usage_is_said() {
         "--metric quadric",
         "--placement endpoint",
         "--order linear",
-        "--error-measure travel",
+        "--error-measure parametric",
         "--attributes off",
         "--lock-borders",
         "--join-distance 0",

@@ -101,7 +101,7 @@ fn it_bounds_the_distance_and_travel_bounds_it() {
         for placement in [Placement::Endpoint, Placement::Optimal] {
             let sequence = Simplifier::new()
                 .placement(placement)
-                .error_measure(ErrorMeasure::Travel)
+                .error_measure(ErrorMeasure::Parametric)
                 .run(&mesh)
                 .unwrap();
             let original = Surface::new(&mesh).unwrap();

@@ -58,7 +58,7 @@ fn simplify_by_all(what: &str, mesh: &Mesh) {
             assert_holds(&format!("{what}, {name}, {placement:?}"), mesh, &sequence);
         }
     }
-    for measure in [ErrorMeasure::Travel, ErrorMeasure::Verified] {
+    for measure in [ErrorMeasure::Parametric, ErrorMeasure::Verified] {
         for (join, error) in [(f32::MAX, f32::MAX), (f32::MIN_POSITIVE, 0.0), (1e-45, 1e-45)] {
             let mut simplifier =
                 Simplifier::new().error_measure(measure).join_distance(join).target(Target::Error(error));

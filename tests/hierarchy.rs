@@ -20,7 +20,7 @@ fn closure(hierarchy: &VertexHierarchy, needed: &[bool]) -> Vec<u32> {
     let mut stack: Vec<u32> = (0..needed.len() as u32).filter(|&split| needed[split as usize]).collect();
     while let Some(split) = stack.pop() {
         if !std::mem::replace(&mut holds[split as usize], true) {
-            stack.extend(hierarchy.parents(split).chain(hierarchy.needs(split)));
+            stack.extend(hierarchy.parents(split).chain(hierarchy.dependencies(split)));
         }
     }
     (0..needed.len() as u32).filter(|&split| holds[split as usize]).collect()

@@ -118,10 +118,10 @@ proptest! {
         let view = seen(&mesh, eye, turn, 2.0, kind);
         let bounds = Bounds::new(centre, radius, error, error * 2.0).with_cone([0.2, 0.9, 0.1], 0.4);
         let urgency = view.urgency(&bounds);
-        prop_assert_eq!(view.needs(&bounds).refine, urgency > 1.0);
+        prop_assert_eq!(view.test(&bounds).refine, urgency > 1.0);
         for factor in [1.0, 1.5, urgency * 0.999, urgency * 1.001] {
             if factor >= 1.0 && factor.is_finite() {
-                prop_assert_eq!(view.needs_at(&bounds, factor).refine, urgency > factor);
+                prop_assert_eq!(view.test_at(&bounds, factor).refine, urgency > factor);
             }
         }
         let larger = Bounds::new(centre, radius * grow + 0.01, error * grow, error * 2.0 * grow)

@@ -61,7 +61,7 @@ proptest! {
         let size = places.iter().flat_map(|&a| places.iter().map(move |&b| distance(a, b))).fold(0.0, f32::max);
         let leaves = || hierarchy.triangles().as_flattened().iter().copied();
         let at = |lod: &HierarchyLod<Place>| -> Vec<Place> {
-            leaves().map(|leaf| lod.value(lod.stand_in(leaf)).unwrap()).collect()
+            leaves().map(|leaf| lod.value(lod.representative(leaf)).unwrap()).collect()
         };
         let mut before = at(&lod);
         let mut buffer = Vec::new();
@@ -91,7 +91,7 @@ proptest! {
         }
         prop_assert_eq!(lod.moving(), 0);
         prop_assert_eq!(shown(&lod), wanted(hierarchy, lod.cut()));
-        for vertex in leaves().map(|leaf| lod.stand_in(leaf)) {
+        for vertex in leaves().map(|leaf| lod.representative(leaf)) {
             prop_assert_eq!(lod.value(vertex), Some(places[vertex as usize]));
         }
         upload(&mut lod, &mut buffer, 0);
@@ -194,7 +194,7 @@ fn nothing_jumps_where_much_happens_at_once() {
             };
             let places_of = |lod: &HierarchyLod<Place>| -> Vec<Place> {
                 let leaves = hierarchy.triangles().as_flattened();
-                leaves.iter().map(|&leaf| lod.value(lod.stand_in(leaf)).unwrap()).collect()
+                leaves.iter().map(|&leaf| lod.value(lod.representative(leaf)).unwrap()).collect()
             };
             let mut before = places_of(&lod);
             let (mut buffer, mut most_moving) = (Vec::new(), 0);

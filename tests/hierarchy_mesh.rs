@@ -213,7 +213,7 @@ fn one_call_is_all_calls() {
         .bake(&mesh)
         .unwrap();
     assert_eq!(built, by_hand);
-    assert_eq!(built.structure().dependencies(), Dependencies::Adjacent);
+    assert_eq!(built.structure().dependency_kind(), Dependencies::Adjacent);
     let bad = Simplifier::new().join_distance(-1.0);
     assert!(HierarchyBuilder::new().simplifier(bad).bake(&mesh).unwrap_err().to_string().contains("join"));
 }
@@ -225,7 +225,7 @@ fn berkey_and_song() {
     for mesh in [shapes::rock(4_000, 2), shapes::terrain(48, 3), shapes::moebius(80)] {
         let bundle = HierarchyBuilder::berkey_song().bake(&mesh).unwrap();
         let hierarchy = bundle.structure();
-        assert_eq!(hierarchy.dependencies(), Dependencies::Neighbours);
+        assert_eq!(hierarchy.dependency_kind(), Dependencies::Neighbours);
         let before = Report::welded(&mesh);
         let diagonal = mesh.diagonal() as f32;
         let [low, high] = mesh.bounds().unwrap();
@@ -259,7 +259,7 @@ fn berkey_and_song() {
                 let [x, y, z] = clip(p);
                 let distance = (0..3).map(|i| (p[i] - eye[i]).powi(2)).sum::<f32>().sqrt();
                 if distance < radius * 0.999 && z < 0.0 && x.abs().max(y.abs()) < -z * half * 0.999 {
-                    assert_eq!(hierarchy.stand_in(leaf as u32, lod.cut()), leaf as u32);
+                    assert_eq!(hierarchy.representative(leaf as u32, lod.cut()), leaf as u32);
                 }
             }
         }

@@ -127,7 +127,7 @@ impl<'a> Model<'a> {
         // Every vertex of the input that is drawn, where it is drawn: all wedges of a point at one.
         let mut drawn_at = vec![u32::MAX; self.mesh.positions().len()];
         for &leaf in hierarchy.triangles().as_flattened() {
-            let to = self.point[input(hierarchy.stand_in(leaf, lod.cut())) as usize];
+            let to = self.point[input(hierarchy.representative(leaf, lod.cut())) as usize];
             let at = &mut drawn_at[self.point[input(leaf) as usize] as usize];
             assert!(*at == u32::MAX || *at == to, "{what}: a seam is torn at vertex {}", input(leaf));
             *at = to;
@@ -304,7 +304,7 @@ fn replays_the_stars(mesh: &Mesh, seed: u64) {
     for _ in 0..hierarchy.split_count() {
         let free: Vec<u32> = (0..hierarchy.split_count() as u32)
             .filter(|&s| !holds.get(s))
-            .filter(|&s| hierarchy.parents(s).chain(hierarchy.needs(s)).all(|other| holds.get(other)))
+            .filter(|&s| hierarchy.parents(s).chain(hierarchy.dependencies(s)).all(|other| holds.get(other)))
             .collect();
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         // As deep as it gets first, so that levels are as mixed as can be; now and then another.
@@ -353,7 +353,7 @@ impl Given {
 }
 
 impl Criterion for Given {
-    fn needs(&self, bounds: &Bounds) -> Answer {
+    fn test(&self, bounds: &Bounds) -> Answer {
         Answer::once(self.needed[self.needed.len() - 1 - bounds.parametric as usize])
     }
 

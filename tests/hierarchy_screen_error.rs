@@ -153,7 +153,8 @@ impl Path {
             }
             for (vertex, at) in corners.into_iter().zip([a, b, c]) {
                 if pose.sees(at) {
-                    let drawn = self.placed.positions[self.hierarchy.stand_in(vertex, lod.cut()) as usize];
+                    let drawn =
+                        self.placed.positions[self.hierarchy.representative(vertex, lod.cut()) as usize];
                     let error = at.distance(drawn) * pixels / at.distance(pose.eye);
                     assert!(
                         error <= f64::from(PARAMETRIC_PX) + ROUNDING,

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::simplify::metric::{Batch, Dependence, ErrorMetric, Quadric, Substitutions};
 use multires::simplify::oracle::default_oracles;
-use multires::simplify::{Collapse, Oracle, Pair, Reads, Simplifier, Surface, Target};
+use multires::simplify::{Collapse, Oracle, Pair, Reads, Simplifier, Target, WorkingSurface};
 use strips::*;
 
 /// Counts candidates and the facets of their patches; refuses nothing.
@@ -23,7 +23,7 @@ impl Oracle for Facets {
         }
     }
 
-    fn allows(&self, _: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, _: &WorkingSurface, collapse: &Collapse) -> bool {
         self.0.fetch_add(1 + collapse.patch.facets().len() as u64, Ordering::Relaxed);
         true
     }
@@ -40,24 +40,24 @@ impl ErrorMetric for Counted {
     fn name(&self) -> &'static str {
         "counted"
     }
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.0.begin(surface, batch);
     }
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost_at_kept(surface, pair)
     }
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.0.optimum(surface, pair)
     }
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.0.collapsing(surface, pair, position);
     }
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
         self.0.substituting(surface, substitutions);
     }
     fn dependence(&self) -> Dependence {

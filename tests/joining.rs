@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use multires::mesh::{Mesh, Report, shapes};
 use multires::simplify::{
-    Batch, ErrorMetric, Order, Pair, Parts, Placement, Simplifier, StopReason, Surface, Target, metric,
+    Batch, ErrorMetric, Order, Pair, Parts, Placement, Simplifier, StopReason, Target, WorkingSurface, metric,
 };
 use multires::tom::TotallyOrderedMesh;
 
@@ -85,17 +85,17 @@ impl ErrorMetric for Counting {
     fn name(&self) -> &'static str {
         "counting"
     }
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.0.begin(surface, batch);
     }
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.0.optimum(surface, pair)
     }
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.0.collapsing(surface, pair, position);
     }
     fn dependence(&self) -> metric::Dependence {

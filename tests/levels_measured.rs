@@ -42,7 +42,7 @@ fn assert_errors_hold(name: &str, mesh: &Mesh, placement: Placement, measure: Er
         let what = format!("{name}, {placement:?}, {measure:?}, {percent} %");
         let farthest = farthest_vertex(mesh, &surface);
         assert!(farthest <= bound + slack, "{what}: a vertex is {farthest} away, not {bound}");
-        if measure == ErrorMeasure::Travel {
+        if measure == ErrorMeasure::Parametric {
             let sampled = original.distance(&surface, &options()).unwrap().hausdorff();
             assert!(sampled <= bound + slack, "{what}: a sample is {sampled} away, not {bound}");
         } else {
@@ -63,7 +63,7 @@ fn errors_of_levels_hold_at_every_vertex() {
     for (name, mesh) in
         [("demo", shapes::demo()), ("terrain", shapes::terrain(80, 5)), ("rock", shapes::rock(8_000, 2))]
     {
-        for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified, ErrorMeasure::Travel] {
+        for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified, ErrorMeasure::Parametric] {
             for placement in [Placement::Endpoint, Placement::Optimal] {
                 assert_errors_hold(name, &mesh, placement, measure);
             }
@@ -75,7 +75,7 @@ fn errors_of_levels_hold_at_every_vertex() {
 fn errors_of_real_models_hold_at_every_vertex() {
     for file in ["real/stanford-bunny.ply", "real/fandisk.obj", "real/rocker-arm.obj"] {
         let Some(mesh) = model(file) else { continue };
-        for measure in [ErrorMeasure::Measured, ErrorMeasure::Travel] {
+        for measure in [ErrorMeasure::Measured, ErrorMeasure::Parametric] {
             assert_errors_hold(file, &mesh, Placement::Endpoint, measure);
         }
     }

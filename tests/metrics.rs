@@ -15,15 +15,15 @@ use multires::simplify::metric::{
     EdgeLength, LindstromTurk, MemorylessQuadric, NAMES, PerBatch, ProgressiveMeshMetric, Quadric,
     UnsignedVolume, VolumeArea, by_name,
 };
-use multires::simplify::{Batch, ErrorMetric, Order, Pair, Placement, Simplifier, Surface, Target};
+use multires::simplify::{Batch, ErrorMetric, Order, Pair, Placement, Simplifier, Target, WorkingSurface};
 use proptest::prelude::*;
 
 const V: u32 = 0;
 const U: u32 = 4;
 const PAIR: Pair = Pair { lost: U, kept: V };
 
-fn surface(mesh: &Mesh) -> Surface {
-    Surface::new(mesh, &Topology::new(mesh))
+fn surface(mesh: &Mesh) -> WorkingSurface {
+    WorkingSurface::new(mesh, &Topology::new(mesh))
 }
 
 /// Corners 0 to 3 on the equator (0 is v), 4 is u at the top, 5 at the bottom.
@@ -42,7 +42,7 @@ fn octahedron(scale: f32, shift: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 }
 
 /// An octahedron. The two faces away from u and v are bent a little in their middles, so that its edges are no creases.
-fn one_octahedron() -> Surface {
+fn one_octahedron() -> WorkingSurface {
     let (mut positions, triangles) = octahedron(1.0, 0.0);
     let far = |t: &&[u32; 3]| !t.contains(&U) && !t.contains(&V);
     let mut bent: Vec<[u32; 3]> = triangles.iter().filter(|t| !far(t)).copied().collect();
@@ -57,12 +57,12 @@ fn one_octahedron() -> Surface {
     surface(&Mesh::new(positions, triangles).expect("octahedron"))
 }
 
-fn begun<M: ErrorMetric>(mut metric: M, surface: &Surface) -> M {
+fn begun<M: ErrorMetric>(mut metric: M, surface: &WorkingSurface) -> M {
     metric.begin(surface, Batch::first(surface));
     metric
 }
 
-fn named(name: &str, surface: &Surface) -> Box<dyn ErrorMetric> {
+fn named(name: &str, surface: &WorkingSurface) -> Box<dyn ErrorMetric> {
     begun(by_name(name).expect("a known name"), surface)
 }
 
@@ -304,16 +304,16 @@ impl<M: ErrorMetric, F: Fn() -> M + Send + Sync> ErrorMetric for Checked<M, F> {
     fn name(&self) -> &'static str {
         "checked"
     }
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.metric.begin(surface, batch);
     }
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.metric.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.metric.optimum(surface, pair)
     }
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.metric.collapsed(surface, pair);
         let fresh = begun((self.fresh)(), surface);
         for point in 0..surface.point_count() as u32 {

@@ -24,7 +24,7 @@ fn everything_goes_without_rules() {
     for (which, mesh) in meshes().iter().enumerate() {
         for placement in [Placement::Endpoint, Placement::Midpoint, Placement::Subset, Placement::Optimal] {
             for order in [Order::Linear, Order::Batched] {
-                for measure in [ErrorMeasure::Travel, ErrorMeasure::Measured, ErrorMeasure::Verified] {
+                for measure in [ErrorMeasure::Parametric, ErrorMeasure::Measured, ErrorMeasure::Verified] {
                     for join in [0.0, 0.3] {
                         let simplifier = Simplifier::new().oracles(Vec::new()).placement(placement);
                         let sequence = simplifier

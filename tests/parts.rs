@@ -12,7 +12,7 @@ use multires::simplify::metric::by_name;
 use multires::simplify::oracle::{Borders, LinkCondition};
 use multires::simplify::{
     Batch, CollapseSequence, ErrorMeasure, ErrorMetric, Order, Pair, Parts, Placement, ProgressiveMesh,
-    Simplifier, StopReason, Surface, Target, metric,
+    Simplifier, StopReason, Target, WorkingSurface, metric,
 };
 use multires::tom::TotallyOrderedMesh;
 
@@ -138,7 +138,7 @@ fn the_last_part_stays_and_goes_on() {
 #[test]
 fn an_error_asked_for_holds() {
     let mesh = leaves(500, 2);
-    for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified, ErrorMeasure::Travel] {
+    for measure in [ErrorMeasure::Measured, ErrorMeasure::Verified, ErrorMeasure::Parametric] {
         let mut left = Vec::new();
         for error in [0.05f32, 0.15, 0.4] {
             let mut simplifier = Simplifier::new().error_measure(measure).target(Target::Error(error));
@@ -148,7 +148,7 @@ fn an_error_asked_for_holds() {
             left.push(500 - sequence.report().parts_removed);
         }
         // What has travelled is a loose bound: a card goes for no less than its own width.
-        let is_tight = measure != ErrorMeasure::Travel;
+        let is_tight = measure != ErrorMeasure::Parametric;
         assert!(
             left[0] > left[2] && (!is_tight || left[0] > left[1] && left[2] < 250),
             "{measure:?} {left:?}"
@@ -241,23 +241,23 @@ impl ErrorMetric for Counting {
     fn name(&self) -> &'static str {
         "counting"
     }
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.0.begin(surface, batch);
     }
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.0.optimum(surface, pair)
     }
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.0.collapsing(surface, pair, position);
     }
     fn dependence(&self) -> metric::Dependence {
         self.0.dependence()
     }
-    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost_per_deviation(surface, pair)
     }

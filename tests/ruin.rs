@@ -95,7 +95,7 @@ fn whole_shapes_do_not_meet_the_guard() {
 fn the_guard_has_no_say_without_a_distance() {
     let mesh = house(400);
     let run = |guard| {
-        let simplifier = Simplifier::new().error_measure(ErrorMeasure::Travel).guard(guard);
+        let simplifier = Simplifier::new().error_measure(ErrorMeasure::Parametric).guard(guard);
         simplifier.target(Target::Ratio(0.5)).run(&mesh).unwrap()
     };
     assert_eq!(run(Guard::On).report(), run(Guard::Off).report());

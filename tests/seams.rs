@@ -9,7 +9,7 @@ use multires::mesh::{Mesh, names};
 use multires::simplify::metric::WithAttributes;
 use multires::simplify::oracle::Borders;
 use multires::simplify::{
-    Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, Surface,
+    Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, WorkingSurface,
 };
 use proptest::prelude::*;
 
@@ -172,12 +172,12 @@ impl ErrorMetric for Shortest {
     fn name(&self) -> &'static str {
         "shortest"
     }
-    fn begin(&mut self, _: &Surface, _: Batch) {}
-    fn cost(&self, surface: &Surface, pair: Pair, _: [f32; 3]) -> f32 {
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, _: [f32; 3]) -> f32 {
         let edge = sub(surface.position(pair.lost), surface.position(pair.kept));
         dot(edge, edge) as f32
     }
-    fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
         None
     }
 }

@@ -51,7 +51,7 @@ proptest! {
         prop_assert!((other.pixels_per_unit(2.0) * 2.0 - pixels).abs() < 1e-3);
         let [view, other] = [view.of_world(), other.of_world()];
         for ball in balls {
-            let [a, b] = [&view, &other].map(|view| view.needs(&ball.bounds()));
+            let [a, b] = [&view, &other].map(|view| view.test(&ball.bounds()));
             prop_assert!(a.refine == b.refine || a.moved.min(b.moved) < 1e-4, "{:?} {:?}", a, b);
         }
     }
@@ -77,11 +77,11 @@ proptest! {
             let ball = Ball { centre: inner.centre.map(|x| x / scale), radius: inner.radius / scale, error: inner.error / scale, ..inner };
             let image = Ball { centre: add(turn(inner.centre), at, 1.0), ..inner };
             let plain = |ball: &Ball| Bounds { cone: [0, 0, 0, -1], ..ball.bounds() };
-            let (a, b) = (object.needs(&plain(&ball)), world.needs(&plain(&image)));
+            let (a, b) = (object.test(&plain(&ball)), world.test(&plain(&image)));
             prop_assert!(a.refine == b.refine || a.moved.min(b.moved / scale) < 1e-3 * (1.0 + 1.0 / scale), "{:?} {:?}", a, b);
             // With cones: what is clear in one is clear in the other.
             let image = Ball { axis: turn(inner.axis), ..image };
-            let (a, b) = (object.needs(&ball.bounds()), world.needs(&image.bounds()));
+            let (a, b) = (object.test(&ball.bounds()), world.test(&image.bounds()));
             let clear = 0.05 * length(add(image.centre, camera.eye, -1.0)).max(0.1);
             prop_assert!(a.refine == b.refine || (a.moved * scale).min(b.moved) < clear, "{:?} {:?}", a, b);
         }
@@ -120,7 +120,7 @@ proptest! {
             );
             let faces = dot(cross(x, y), z).signum() * dot(outward, to) < -1e-4 * length(outward) * length(to);
             if camera.sees(point, 1e-3) && faces && visible > 1.001 {
-                prop_assert!(object.needs(&ball.bounds()).refine, "{} pixels", visible);
+                prop_assert!(object.test(&ball.bounds()).refine, "{} pixels", visible);
             }
         }
     }
@@ -140,7 +140,7 @@ proptest! {
         // The error test is its definition: pixels at the nearest point of the sphere.
         let gap = length(add(ball.centre, camera.eye, -1.0)) - ball.radius;
         let large = ball.error * pixels > gap;
-        let open = camera.view().with_frustum(false).with_back_faces_culled(false).of_world().needs(&bounds);
+        let open = camera.view().with_frustum(false).with_back_faces_culled(false).of_world().test(&bounds);
         prop_assert!(open.refine == large || (gap - ball.error * pixels).abs() < 1e-4 * (1.0 + gap.abs()));
         for (way, depth, around, aside) in samples {
             let (point, normal) = ball.sample(way, depth, around, aside);
@@ -148,15 +148,15 @@ proptest! {
             let faces = dot(normal, add(camera.eye, point, -1.0)) > 1e-4;
             let huge = Bounds { error: 1e9, ..bounds };
             if seen && faces {
-                prop_assert!(view.needs(&huge).refine);
-                prop_assert!(!large || gap + 1e-4 > ball.error * pixels || view.needs(&bounds).refine);
+                prop_assert!(view.test(&huge).refine);
+                prop_assert!(!large || gap + 1e-4 > ball.error * pixels || view.test(&bounds).refine);
             }
-            prop_assert!(!seen || both_sides.needs(&huge).refine);
-            prop_assert!(!faces || blind.needs(&huge).refine);
+            prop_assert!(!seen || both_sides.test(&huge).refine);
+            prop_assert!(!faces || blind.test(&huge).refine);
         }
         // From within the sphere all of it is near, in the picture, and may face the eye.
         if gap < -1e-4 {
-            prop_assert!(view.needs(&bounds).refine);
+            prop_assert!(view.test(&bounds).refine);
         }
     }
 
@@ -180,7 +180,7 @@ proptest! {
         };
         let large = outer.bounds();
         prop_assume!(large.contains(&small));
-        prop_assert!(view.needs(&large).refine || !view.needs(&small).refine, "{:?} {:?}", view.needs(&large), view.needs(&small));
+        prop_assert!(view.test(&large).refine || !view.test(&small).refine, "{:?} {:?}", view.test(&large), view.test(&small));
     }
 
     /// While a move and a turn together stay within the slack, so does the answer, in the directions that matter most: to and from
@@ -196,7 +196,7 @@ proptest! {
     ) {
         let before = set(camera.view(), settings).of_world();
         let bounds = ball.bounds();
-        let answer = before.needs(&bounds);
+        let answer = before.test(&bounds);
         prop_assert!(answer.moved >= 0.0 && answer.turned >= 0.0);
         // Nearer than that the rounding of matrices decides.
         prop_assume!(answer.moved > 1e-4);
@@ -223,7 +223,7 @@ proptest! {
                     let mut with = settings;
                     with.5 = with.5.map(|(centre, radius)| (add(centre, *way, far), radius));
                     let view = set(now.view(), with).of_world();
-                    let later = view.needs(&bounds);
+                    let later = view.test(&bounds);
                     prop_assert!(
                         later.refine == answer.refine,
                         "{:?} then {:?} after {} along {:?} and {} about {:?}", answer, later, far, way, angle, axis
@@ -258,12 +258,12 @@ proptest! {
         let [x, y, _] = camera.axes.map(|axis| dot(axis, to).abs() - ball.radius);
         let (over, beside) = (large - 1.0, (x - f64::from(wide)).max(y - f64::from(half)));
         prop_assume!(over.abs() > 1e-3 && beside.abs() > 1e-3);
-        prop_assert_eq!(view.of_world().needs(&bounds).refine, over > 0.0 && beside < 0.0);
+        prop_assert_eq!(view.of_world().test(&bounds).refine, over > 0.0 && beside < 0.0);
         // What turns away does so along the direction of view.
         let away = Bounds::new([0.0; 3], 0.1, 1e9, 1e9).with_cone(camera.axes[2].map(|x| -x), 1.2);
         let aside = Bounds::new([0.0; 3], 0.1, 1e9, 1e9).with_cone(camera.axes[0], 0.1);
         let open = view.with_frustum(false).of_world();
-        prop_assert!(!open.needs(&away).refine && open.needs(&aside).refine);
+        prop_assert!(!open.test(&away).refine && open.test(&aside).refine);
     }
 
     /// Several views need what any of them needs, for as long as all hold.
@@ -271,8 +271,8 @@ proptest! {
     fn several_views_are_any_of_them(cameras in prop::collection::vec((camera(), settings()), 0..4), ball in ball()) {
         let views: Vec<ObjectView> = cameras.iter().map(|(camera, with)| set(camera.view(), *with).of_world()).collect();
         let bounds = ball.bounds();
-        let answers: Vec<Answer> = views.iter().map(|view| view.needs(&bounds)).collect();
-        let all = views[..].needs(&bounds);
+        let answers: Vec<Answer> = views.iter().map(|view| view.test(&bounds)).collect();
+        let all = views[..].test(&bounds);
         prop_assert_eq!(all.refine, answers.iter().any(|answer| answer.refine));
         let same = answers.iter().filter(|answer| answer.refine == all.refine);
         let longest = same.clone().map(|answer| answer.moved).fold(0.0, f64::max);
@@ -290,8 +290,8 @@ proptest! {
         let bounds = ball.bounds();
         let gap = length(add(ball.centre, focus.0, -1.0)) - ball.radius - focus.1;
         prop_assume!(gap.abs() > 1e-4);
-        let expected = if gap < 0.0 { large.needs(&bounds).refine } else { without.needs(&bounds).refine };
-        prop_assert_eq!(with.needs(&bounds).refine, expected);
+        let expected = if gap < 0.0 { large.test(&bounds).refine } else { without.test(&bounds).refine };
+        prop_assert_eq!(with.test(&bounds).refine, expected);
     }
 }
 

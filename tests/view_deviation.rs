@@ -65,7 +65,7 @@ proptest! {
     ) {
         let bounds = bounds(with);
         let ball = with.0;
-        let answer = open(&camera).with_tolerance_px(tolerance as f32).of_world().needs(&bounds);
+        let answer = open(&camera).with_tolerance_px(tolerance as f32).of_world().test(&bounds);
         let gap = length(add(ball.centre, camera.eye, -1.0)) - ball.radius;
         prop_assume!(gap.abs() > 1e-3);
         if gap < 0.0 {
@@ -106,8 +106,8 @@ proptest! {
         let plain = Bounds { error: error as f32, parametric: error as f32, ..ball.bounds() };
         let view = set(camera.view(), settings);
         let [a, b] = [ErrorKind::Geometric, ErrorKind::Parametric].map(|kind| view.clone().with_error(kind).of_world());
-        prop_assert_eq!(a.needs(&bounds(with)), b.needs(&bounds(with)));
-        prop_assert_eq!(a.needs(&round), a.needs(&plain));
+        prop_assert_eq!(a.test(&bounds(with)), b.test(&bounds(with)));
+        prop_assert_eq!(a.test(&round), a.test(&plain));
         prop_assert_eq!(a.urgency(&round), a.urgency(&plain));
         prop_assert_eq!(a.sees(&round), a.sees(&plain));
     }
@@ -136,7 +136,7 @@ proptest! {
         let mut large = bounds((outer, along * worse.0, across * worse.1, spheroid));
         large.hold_errors_of(&small);
         prop_assert!(large.contains(&small));
-        prop_assert!(view.needs(&large).refine || !view.needs(&small).refine, "{:?} {:?}", view.needs(&large), view.needs(&small));
+        prop_assert!(view.test(&large).refine || !view.test(&small).refine, "{:?} {:?}", view.test(&large), view.test(&small));
         prop_assert!(view.urgency(&large) >= view.urgency(&small), "{} {}", view.urgency(&large), view.urgency(&small));
         prop_assert!(view.sees(&large) || !view.sees(&small));
     }
@@ -147,10 +147,10 @@ proptest! {
         let view = set(camera.view(), settings).of_world();
         let bounds = bounds(with);
         let urgency = view.urgency(&bounds);
-        prop_assert_eq!(view.needs(&bounds).refine, urgency > 1.0);
+        prop_assert_eq!(view.test(&bounds).refine, urgency > 1.0);
         for factor in [factor, urgency * 0.999, urgency * 1.001] {
             if factor >= 1.0 && (factor - urgency).abs() > 1e-6 * urgency {
-                prop_assert_eq!(view.needs_at(&bounds, factor).refine, urgency > factor, "{} {}", urgency, factor);
+                prop_assert_eq!(view.test_at(&bounds, factor).refine, urgency > factor, "{} {}", urgency, factor);
             }
         }
     }
@@ -168,7 +168,7 @@ proptest! {
     ) {
         let before = set(camera.view(), settings).of_world();
         let (ball, bounds) = (with.0, bounds(with));
-        let answer = before.needs(&bounds);
+        let answer = before.test(&bounds);
         prop_assert!(answer.moved >= 0.0 && answer.turned >= 0.0);
         // Nearer than that the rounding of matrices decides.
         prop_assume!(answer.moved > 1e-4);
@@ -195,7 +195,7 @@ proptest! {
                     // The ball of focus goes with the eye.
                     let mut with = settings;
                     with.5 = with.5.map(|(centre, radius)| (add(centre, *way, far), radius));
-                    let later = set(now.view(), with).of_world().needs(&bounds);
+                    let later = set(now.view(), with).of_world().test(&bounds);
                     prop_assert!(
                         later.refine == answer.refine,
                         "{:?} then {:?} after {} along {:?} and {} about {:?}", answer, later, far, way, angle, axis
@@ -216,9 +216,9 @@ proptest! {
         let forward = camera.axes[2].map(|x| -x);
         let least_to_most = spans(&bounds, forward) * 480.0 / f64::from(half);
         prop_assume!((least_to_most - 1.0).abs() > 1e-3);
-        prop_assert_eq!(view.needs(&bounds).refine, least_to_most > 1.0);
-        prop_assert_eq!(view.needs(&bounds).moved, f64::INFINITY);
-        prop_assert_eq!(view.urgency(&bounds) > 1.0, view.needs(&bounds).refine);
+        prop_assert_eq!(view.test(&bounds).refine, least_to_most > 1.0);
+        prop_assert_eq!(view.test(&bounds).moved, f64::INFINITY);
+        prop_assert_eq!(view.urgency(&bounds) > 1.0, view.test(&bounds).refine);
     }
 }
 
@@ -231,7 +231,7 @@ fn what_one_looks_along_is_short() {
         let matrix = multires::view::look_at(eye, [0.0; 3], [0.0, 1.0, 0.0]);
         let view = View::perspective(matrix, FOV, VIEWPORT).unwrap().with_back_faces_culled(false).of_world();
         let bounds = DeviationBounds::new([0.0; 3], 0.01, ErrorShape::Spheroid).with_cone(up, 0.2);
-        view.needs(&DeviationBounds { along, across, ..bounds }).refine
+        view.test(&DeviationBounds { along, across, ..bounds }).refine
     };
     let visible = 20.0 / pixels() as f32;
     assert!(!refines([0.0, 0.0, 10.0], visible, 0.0) && refines([10.0, 0.0, 0.0], visible, 0.0));

@@ -392,7 +392,7 @@ fn seams_stay_closed_while_views_move() {
                 assert_eq!(drawn, drawn_positions(&plain), "{name}, {triangulation:?}, step {step}");
                 for wavelet in 0..of.wavelet_count() as u32 {
                     let own = lod.value(of.vertex_of(wavelet)).unwrap();
-                    for double in of.doubles_of(wavelet) {
+                    for double in of.seam_vertices_of(wavelet) {
                         let other = lod.value(double).unwrap();
                         assert_eq!(own[..3], other[..3], "{name}: wavelet {wavelet} is torn");
                     }

@@ -103,7 +103,7 @@ fn check_whole(name: &str, mesh: &WaveletMesh) {
     let of = mesh.subdivision();
     let at = |vertex: u32| mesh.vertices().positions()[vertex as usize];
     for wavelet in 0..of.wavelet_count() as u32 {
-        for double in of.doubles_of(wavelet) {
+        for double in of.seam_vertices_of(wavelet) {
             assert_eq!(at(of.vertex_of(wavelet)), at(double), "{name}: wavelet {wavelet} is torn");
         }
     }

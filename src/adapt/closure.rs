@@ -14,9 +14,9 @@ pub(super) struct Closure {
 }
 
 impl Closure {
-    /// `needs`: whether any refinement needs more than its parents.
-    pub fn new(count: usize, needs: bool) -> Self {
-        Self { held: if needs { vec![0; count] } else { Vec::new() }, stack: Vec::new() }
+    /// `dependencies`: whether any refinement needs more than its parents.
+    pub fn new(count: usize, dependencies: bool) -> Self {
+        Self { held: if dependencies { vec![0; count] } else { Vec::new() }, stack: Vec::new() }
     }
 
     /// Takes in that `r` is asked for now, or no longer; `apply` is told what comes into the mesh or goes, in order.
@@ -53,11 +53,12 @@ impl Closure {
             }
             if ready {
                 state[r as usize] |= DONE;
-                of.parents(r).chain(of.needs(r)).for_each(|n| self.held[n as usize] += 1);
+                of.parents(r).chain(of.dependencies(r)).for_each(|n| self.held[n as usize] += 1);
                 apply(state, r, true);
             } else {
                 self.stack.push((r, true));
-                let missing = of.parents(r).chain(of.needs(r)).filter(|&n| state[n as usize] & DONE == 0);
+                let missing =
+                    of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & DONE == 0);
                 self.stack.extend(missing.map(|n| (n, false)));
             }
         }
@@ -74,7 +75,7 @@ impl Closure {
         while let Some((r, _)) = self.stack.pop() {
             state[r as usize] &= !DONE;
             apply(state, r, false);
-            for n in of.parents(r).chain(of.needs(r)) {
+            for n in of.parents(r).chain(of.dependencies(r)) {
                 self.held[n as usize] -= 1;
                 if self.held[n as usize] == 0 && state[n as usize] & ASKED == 0 {
                     self.stack.push((n, false));

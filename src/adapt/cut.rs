@@ -29,10 +29,10 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The coarsest cut: no refinement. `size` is the length over which the object extends, object units; `needs` is whether
+    /// The coarsest cut: no refinement. `size` is the length over which the object extends, object units; `dependencies` is whether
     /// any refinement has needs besides its parents. 5 bytes a refinement, 9 with needs.
-    pub fn new(count: usize, size: f64, needs: bool) -> Self {
-        Self { front: Front::new(count, size), closure: Closure::new(count, needs) }
+    pub fn new(count: usize, size: f64, dependencies: bool) -> Self {
+        Self { front: Front::new(count, size), closure: Closure::new(count, dependencies) }
     }
 
     /// Whether a refinement is in the mesh.

@@ -99,7 +99,7 @@ impl Front {
             let asked = state & ASKED != 0;
             self.tests += 1;
             self.state[r as usize] |= AT_FRONT;
-            let answer = criterion.needs(&of.bounds(r));
+            let answer = criterion.test(&of.bounds(r));
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
                 if !changed(&mut self.state, r, answer.refine) {

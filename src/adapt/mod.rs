@@ -7,27 +7,27 @@
 //! | `wheel.rs` | sleepers by how far the eye may go until they are looked at again |
 //! | `closure.rs` | the smallest closed set that holds what is asked for |
 //! | `cut.rs` | [`Cut`]: the three together |
-//! | `balance.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
-//! | `follow.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
-//! | `pace.rs` | between the cut and what is shown: budgets, and how much a frame |
+//! | `budget.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
+//! | `transitions.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
+//! | `frame_limits.rs` | between the cut and what is shown: budgets, and how much a frame |
 //! | `tolerance.rs` | a factor for all tolerances that may turn every frame |
 //! | `geomorph.rs` | [`Geomorph`]: how long a transition takes |
 //! | `blend.rs` | [`Blend`]: what a vertex must be able to do to move |
 //! | `change.rs` | [`Change`]: what one move of an instance did |
 //! | `dirty.rs` | [`Dirty`]: ranges of a buffer that changed |
 
-mod balance;
 mod blend;
+mod budget;
 mod change;
 mod closure;
 mod cut;
 mod dirty;
-mod follow;
+mod frame_limits;
 mod front;
 mod geomorph;
-mod pace;
 mod refinements;
 mod tolerance;
+mod transitions;
 mod wheel;
 
 pub use blend::Blend;
@@ -35,8 +35,8 @@ pub use change::Change;
 pub(crate) use cut::is_done;
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
-pub(crate) use follow::Picture;
+pub(crate) use frame_limits::FrameLimits;
 pub use geomorph::Geomorph;
-pub(crate) use pace::Pace;
 pub use refinements::Refinements;
 pub(crate) use tolerance::Tolerance;
+pub(crate) use transitions::RefinementSink;

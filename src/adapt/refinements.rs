@@ -36,5 +36,5 @@ pub trait Refinements {
     fn children(&self, refinement: u32) -> impl Iterator<Item = u32>;
 
     /// Those that must be in the mesh before it, besides its parents.
-    fn needs(&self, refinement: u32) -> impl Iterator<Item = u32>;
+    fn dependencies(&self, refinement: u32) -> impl Iterator<Item = u32>;
 }

@@ -82,16 +82,16 @@ pub(crate) struct Scaled<'a, C: ?Sized> {
 }
 
 impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Scaled<'_, C> {
-    fn needs(&self, bounds: &B) -> Answer {
-        self.needs_at(bounds, 1.0)
+    fn test(&self, bounds: &B) -> Answer {
+        self.test_at(bounds, 1.0)
     }
 
-    fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
-        let [low, high] = self.ends.map(|end| self.criterion.needs_at(bounds, factor * end));
+    fn test_at(&self, bounds: &B, factor: f64) -> Answer {
+        let [low, high] = self.ends.map(|end| self.criterion.test_at(bounds, factor * end));
         match (low.refine, high.refine) {
             (true, true) => low.and(high),
             (false, false) => low.or(high),
-            _ => Answer::once(self.criterion.needs_at(bounds, factor * self.factor).refine),
+            _ => Answer::once(self.criterion.test_at(bounds, factor * self.factor).refine),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::lod::{
 use crate::mesh::Mesh;
 use crate::simplify::CollapseSequence;
 
-use super::{Dependencies, HierarchyError, HierarchyLod, Surface, VertexHierarchy};
+use super::{CutSurface, Dependencies, HierarchyError, HierarchyLod, VertexHierarchy};
 
 /// How a hierarchy is built from a simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -88,7 +88,7 @@ impl Structure for VertexHierarchy {
             }
         };
         let set = of.closure(&splits[..count]);
-        let mut surface = Surface::new(of, false);
+        let mut surface = CutSurface::new(of, false);
         for split in (0..set.len() as u32).filter(|&split| set[split as usize]) {
             surface.split(of, split, |other| other <= split && set[other as usize]);
         }
@@ -147,7 +147,7 @@ impl Structure for VertexHierarchy {
 impl VertexHierarchy {
     /// What a surface draws as a mesh of its own: the vertices that it uses, with attributes and locks, and its triangles with
     /// their materials, in the hierarchy's order: the same mesh for the same cut. O(vertices + output log output).
-    pub(super) fn mesh_of(&self, vertices: &Mesh, surface: &Surface) -> Mesh {
+    pub(super) fn mesh_of(&self, vertices: &Mesh, surface: &CutSurface) -> Mesh {
         let vertex = |name: u32| surface.vertices().map_or(name, |slots| slots[name as usize]);
         let mut drawn: Vec<(u32, [u32; 3])> = Vec::new();
         for group in 0..surface.groups() {
@@ -169,7 +169,7 @@ impl VertexHierarchy {
         // Splits come after those they need.
         for split in (0..set.len() as u32).rev() {
             if set[split as usize] {
-                self.parents(split).chain(self.needs(split)).for_each(|n| set[n as usize] = true);
+                self.parents(split).chain(self.dependencies(split)).for_each(|n| set[n as usize] = true);
             }
         }
         set

@@ -11,12 +11,12 @@ use std::ops::ControlFlow;
 
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::lineage::Lineage;
+use crate::simplify::collapse_forest::CollapseForest;
 use crate::simplify::{CollapseSequence, Origin};
 
 use super::bounds::bounds;
 use super::context::lonely_errors;
-use super::needs::needs;
+use super::dependencies::dependency_lists;
 use super::stars::MOST_CORNERS;
 use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
 
@@ -62,7 +62,7 @@ impl VertexHierarchy {
             ControlFlow::Break(()) => Err(HierarchyError::Cancelled),
         };
         stage(0.0)?;
-        let lineage = Lineage::new(mesh, sequence)?;
+        let collapse_forest = CollapseForest::new(mesh, sequence)?;
         let triangles = mesh.triangles().len();
         if triangles > MOST_TRIANGLES {
             return Err(HierarchyError::TooMany {
@@ -72,13 +72,13 @@ impl VertexHierarchy {
             });
         }
         stage(0.2)?;
-        let forest = Forest::new(mesh, sequence, &lineage);
+        let forest = Forest::new(mesh, sequence, &collapse_forest);
         stage(0.4)?;
-        let splits = Splits::new(sequence, &lineage, &forest);
+        let splits = Splits::new(sequence, &collapse_forest, &forest);
         let count = splits.brings.start.len() - 1;
 
         // Triangles by the split that brings them back.
-        let key = |t: usize| match lineage.end(mesh.triangles()[t]) {
+        let key = |t: usize| match collapse_forest.end(mesh.triangles()[t]) {
             0 => None,
             NONE => Some(0),
             end => Some(splits.of_step[end as usize - 1] + 1),
@@ -86,7 +86,7 @@ impl VertexHierarchy {
         let keys: Vec<Option<u32>> = (0..triangles).map(key).collect();
         let kept = || keys.iter().enumerate().filter_map(|(t, key)| key.map(|key| (key, t as u32)));
         let by_split = Lists::from_pairs(count + 1, kept());
-        let leaf = |v: u32| forest.vertex[lineage.folded(v) as usize];
+        let leaf = |v: u32| forest.vertex[collapse_forest.folded(v) as usize];
         let mut materials = mesh.materials().to_vec();
         materials.sort_unstable();
         materials.dedup();
@@ -125,7 +125,7 @@ impl VertexHierarchy {
         stage(0.8)?;
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
         stage(0.9)?;
-        hierarchy.needs = needs(&hierarchy, &splits.order, dependencies);
+        hierarchy.needs = dependency_lists(&hierarchy, &splits.order, dependencies);
         stage(1.0)?;
         Ok(HierarchyBuild { hierarchy, vertex_order: forest.order, triangle_order: by_split.items })
     }
@@ -133,7 +133,7 @@ impl VertexHierarchy {
 
 /// Vertices in their new order.
 struct Forest {
-    /// Per number of the lineage its vertex; `NONE` for duplicates and unused ones.
+    /// Per number of the collapse_forest its vertex; `NONE` for duplicates and unused ones.
     vertex: Vec<u32>,
     leaves: u32,
     substitute: Vec<u32>,
@@ -146,23 +146,23 @@ struct Forest {
 }
 
 impl Forest {
-    fn new(mesh: &Mesh, sequence: &CollapseSequence, lineage: &Lineage) -> Self {
-        let count = lineage.real as usize;
+    fn new(mesh: &Mesh, sequence: &CollapseSequence, collapse_forest: &CollapseForest) -> Self {
+        let count = collapse_forest.real as usize;
         let placed = sequence.placed(mesh);
-        let is_leaf = |number: usize| (lineage.order[number] as usize) < sequence.input_vertices();
-        let position = |number: usize| match sequence.origin(lineage.order[number]) {
+        let is_leaf = |number: usize| (collapse_forest.order[number] as usize) < sequence.input_vertices();
+        let position = |number: usize| match sequence.origin(collapse_forest.order[number]) {
             Origin::Input(v) => placed[v as usize],
             Origin::Blend(new) => new.position,
         };
-        let parent = |number: usize| lineage.parent(number as u32) as usize;
+        let parent = |number: usize| collapse_forest.parent(number as u32) as usize;
 
         // Leaves under each; every parent is numbered lower.
         let mut size: Vec<u32> = (0..count).map(|number| u32::from(is_leaf(number))).collect();
-        for number in (lineage.roots as usize..count).rev() {
+        for number in (collapse_forest.roots as usize..count).rev() {
             size[parent(number)] += size[number];
         }
         let mut roots: Vec<(u32, u32)> =
-            (0..lineage.roots).map(|root| (morton(mesh, position(root as usize)), root)).collect();
+            (0..collapse_forest.roots).map(|root| (morton(mesh, position(root as usize)), root)).collect();
         roots.sort_unstable();
 
         // Runs: within one, what was taken last is at its end.
@@ -174,7 +174,7 @@ impl Forest {
             leaves += size[root as usize];
             end[root as usize] = leaves;
         }
-        for number in lineage.roots as usize..count {
+        for number in collapse_forest.roots as usize..count {
             let of = parent(number);
             end[number] = end[of];
             end[of] -= size[number];
@@ -183,7 +183,7 @@ impl Forest {
 
         let mut made: Vec<u32> = (0..count as u32).filter(|&number| !is_leaf(number as usize)).collect();
         made.sort_by_key(|&number| (start[number as usize], number));
-        let mut vertex = vec![NONE; lineage.order.len()];
+        let mut vertex = vec![NONE; collapse_forest.order.len()];
         let mut number_of = vec![0_u32; count];
         for number in 0..count {
             if is_leaf(number) {
@@ -201,7 +201,7 @@ impl Forest {
             end: number_of.iter().map(|&number| start[number as usize] + size[number as usize]).collect(),
             substitute: number_of.iter().map(|&number| vertex[parent(number as usize)]).collect(),
             first_leaf: made.iter().map(|&number| start[number as usize]).collect(),
-            order: number_of.iter().map(|&number| lineage.order[number as usize]).collect(),
+            order: number_of.iter().map(|&number| collapse_forest.order[number as usize]).collect(),
             positions: number_of.iter().map(|&number| position(number as usize)).collect(),
             vertex,
         }
@@ -234,11 +234,11 @@ struct Splits {
 }
 
 impl Splits {
-    fn new(sequence: &CollapseSequence, lineage: &Lineage, forest: &Forest) -> Self {
+    fn new(sequence: &CollapseSequence, collapse_forest: &CollapseForest, forest: &Forest) -> Self {
         let steps: Vec<usize> =
             (0..sequence.len()).filter(|&s| !sequence.substitutions(s).is_empty()).collect();
         let count = steps.len();
-        let vertex = |v: u32| forest.vertex[lineage.number[v as usize] as usize];
+        let vertex = |v: u32| forest.vertex[collapse_forest.number[v as usize] as usize];
 
         // A collapse is undone after the next one that touches a vertex that it touched.
         let mut last = vec![NONE; forest.substitute.len()];

@@ -9,9 +9,9 @@ use crate::lod::{
 use crate::mesh::{Mesh, NONE};
 use crate::view::{Criterion, Motion, ObjectView};
 
-use super::drawn::Drawn;
+use super::sink::Sink;
 use super::vertices::Vertices;
-use super::{Surface, VertexHierarchy};
+use super::{CutSurface, VertexHierarchy};
 
 /// One drawn instance of a [`VertexHierarchy`]. What is drawn is [`HierarchyLod::cut`] after every call, or where
 /// [`LodOptions`] set limits, what has been reached on the way there: always a closed set of splits.
@@ -28,7 +28,7 @@ pub struct HierarchyLod<V = ()> {
     /// The model that it is an instance of, for its vertices; `None` for triangles alone.
     model: Option<Baked<VertexHierarchy>>,
     driver: Driver,
-    surface: Surface,
+    surface: CutSurface,
     vertices: Vertices<V>,
 }
 
@@ -75,8 +75,8 @@ impl<V: Vertex> HierarchyLod<V> {
         mix: Option<Mix<V>>,
         options: &LodOptions,
     ) -> Self {
-        let cut = Cut::new(hierarchy.split_count(), hierarchy.diagonal(), hierarchy.has_needs());
-        let mut surface = Surface::new(&hierarchy, options.buffer == VertexBuffer::Packed);
+        let cut = Cut::new(hierarchy.split_count(), hierarchy.diagonal(), hierarchy.has_dependencies());
+        let mut surface = CutSurface::new(&hierarchy, options.buffer == VertexBuffer::Packed);
         let vertices = Vertices::new(values, &surface, mix, options.buffer == VertexBuffer::Shared);
         surface.clean_vertices();
         let mut lod = Self { hierarchy, model, driver: Driver::new(cut), surface, vertices };
@@ -88,7 +88,7 @@ impl<V: Vertex> HierarchyLod<V> {
     fn apply(&mut self, options: &LodOptions) {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
-        driver.set_options(hierarchy, options, &mut Drawn { hierarchy, surface, vertices }, |cut| {
+        driver.set_options(hierarchy, options, &mut Sink { hierarchy, surface, vertices }, |cut| {
             let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
             hierarchy.base_triangle_count() + splits.map(|split| hierarchy.owned(split).len()).sum::<usize>()
         });
@@ -100,7 +100,7 @@ impl<V: Vertex> HierarchyLod<V> {
         let hierarchy = &*self.hierarchy;
         let packed = options.buffer == VertexBuffer::Packed;
         if packed != self.surface.vertices().is_some() {
-            let mut surface = Surface::new(hierarchy, packed);
+            let mut surface = CutSurface::new(hierarchy, packed);
             for split in (0..hierarchy.split_count() as u32).filter(|&split| self.driver.shows(split)) {
                 surface.split(hierarchy, split, |other| other <= split && self.driver.shows(other));
             }
@@ -127,7 +127,7 @@ impl<V: Vertex> HierarchyLod<V> {
     }
 
     /// The vertex that stands for a vertex in what is drawn. O(hops to it); the vertex itself out of range.
-    pub fn stand_in(&self, vertex: u32) -> u32 {
+    pub fn representative(&self, vertex: u32) -> u32 {
         if (vertex as usize) < self.hierarchy.vertex_count() {
             self.hierarchy.active(vertex, |split| self.shows(split))
         } else {
@@ -136,7 +136,7 @@ impl<V: Vertex> HierarchyLod<V> {
     }
 
     /// Its triangles.
-    pub fn surface(&self) -> &Surface {
+    pub fn surface(&self) -> &CutSurface {
         &self.surface
     }
 
@@ -160,10 +160,10 @@ impl<V: Vertex> HierarchyLod<V> {
     pub fn adapt_by<C: Criterion + ?Sized>(&mut self, criterion: &C, motion: Motion, seconds: f32) -> Change {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
-        let mut picture = Drawn { hierarchy, surface, vertices };
+        let mut sink = Sink { hierarchy, surface, vertices };
         let diagonal = hierarchy.diagonal();
         let cost = |split: u32, _| hierarchy.owned(split).len();
-        let change = driver.adapt_by(hierarchy, (criterion, motion, seconds, diagonal), &mut picture, cost);
+        let change = driver.adapt_by(hierarchy, (criterion, motion, seconds, diagonal), &mut sink, cost);
         self.vertices.write(&mut self.surface);
         change
     }
@@ -173,9 +173,9 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
-        let mut picture = Drawn { hierarchy, surface, vertices };
+        let mut sink = Sink { hierarchy, surface, vertices };
         let cost = |split: u32, _| hierarchy.owned(split).len();
-        let change = driver.adapt(hierarchy, (views, seconds, hierarchy.diagonal()), &mut picture, cost);
+        let change = driver.adapt(hierarchy, (views, seconds, hierarchy.diagonal()), &mut sink, cost);
         self.vertices.write(&mut self.surface);
         change
     }
@@ -186,7 +186,7 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
 
     fn settle(&mut self) {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
-        driver.settle(&**hierarchy, &mut Drawn { hierarchy, surface, vertices });
+        driver.settle(&**hierarchy, &mut Sink { hierarchy, surface, vertices });
         self.vertices.write(&mut self.surface);
     }
 

@@ -11,7 +11,7 @@
 //! | `build.rs` | from a collapse sequence to splits, numbered for locality |
 //! | `bounds.rs` | what each split can change, nested |
 //! | `context.rs` | what a collapse costs where all around it is fine |
-//! | `needs.rs` | [`Dependencies`]: what a split needs besides |
+//! | `dependencies.rs` | [`Dependencies`]: what a split needs besides |
 //! | `stars.rs` | the corners around every active vertex, in one pool |
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
@@ -19,7 +19,7 @@
 //! | `baked.rs` | a hierarchy under the one face of all structures; [`HierarchyOptions`] |
 //! | `builder.rs` | [`HierarchyBuilder`]: presets |
 //! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
-//! | `drawn.rs` | what is drawn, as the cut has it moved |
+//! | `sink.rs` | what is drawn, as the cut has it moved |
 //! | `vertices.rs` | the vertex buffer, and where moving vertices are |
 //! | `validate.rs` | every promise checked |
 //! | `error.rs` | [`HierarchyError`] |
@@ -29,12 +29,12 @@ mod bounds;
 mod build;
 mod builder;
 mod context;
-mod drawn;
+mod dependencies;
 mod error;
 mod instance;
-mod needs;
 mod packed;
 mod parts;
+mod sink;
 mod stars;
 mod surface;
 mod validate;
@@ -43,11 +43,11 @@ mod vertices;
 pub use baked::HierarchyOptions;
 pub use build::HierarchyBuild;
 pub use builder::HierarchyBuilder;
+pub use dependencies::Dependencies;
 pub use error::HierarchyError;
 pub use instance::HierarchyLod;
-pub use needs::Dependencies;
 pub use parts::HierarchyParts;
-pub use surface::Surface;
+pub use surface::CutSurface;
 
 use crate::adapt::{Cut, Refinements};
 use crate::mesh::NONE;
@@ -145,7 +145,7 @@ impl VertexHierarchy {
     }
 
     /// What splits need besides their parents.
-    pub fn dependencies(&self) -> Dependencies {
+    pub fn dependency_kind(&self) -> Dependencies {
         self.dependencies
     }
 
@@ -170,7 +170,7 @@ impl VertexHierarchy {
     }
 
     /// The vertex that stands for a vertex at a cut. O(hops to it); the vertex itself out of range.
-    pub fn stand_in(&self, vertex: u32, cut: &Cut) -> u32 {
+    pub fn representative(&self, vertex: u32, cut: &Cut) -> u32 {
         if (vertex as usize) < self.substitute.len() {
             self.active(vertex, |split| cut.holds(split))
         } else {
@@ -242,7 +242,7 @@ impl VertexHierarchy {
         if vertex < self.leaves { vertex } else { self.first_leaf[(vertex - self.leaves) as usize] }
     }
 
-    pub(crate) fn has_needs(&self) -> bool {
+    pub(crate) fn has_dependencies(&self) -> bool {
         !self.needs.items.is_empty()
     }
 
@@ -283,7 +283,7 @@ impl Refinements for VertexHierarchy {
     }
 
     #[inline]
-    fn needs(&self, split: u32) -> impl Iterator<Item = u32> {
+    fn dependencies(&self, split: u32) -> impl Iterator<Item = u32> {
         self.needs.get(split).iter().copied()
     }
 }

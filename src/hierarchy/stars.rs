@@ -39,7 +39,7 @@ impl Run {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Stars {
+pub(super) struct CornerStars {
     runs: Vec<Run>,
     pool: Vec<Entry>,
     /// First free run of every size; the next is in its first entry.
@@ -50,7 +50,7 @@ fn room(class: usize) -> usize {
     1 << (class as u32 + SMALLEST)
 }
 
-impl Stars {
+impl CornerStars {
     pub fn new(vertices: usize) -> Self {
         Self { runs: vec![Run::EMPTY; vertices], pool: Vec::new(), free: [NONE; SIZES] }
     }

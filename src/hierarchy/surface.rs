@@ -14,13 +14,13 @@ use crate::mesh::NONE;
 
 use super::VertexHierarchy;
 use super::packed::Packed;
-use super::stars::Stars;
+use super::stars::CornerStars;
 
 /// The triangles at a cut, and with packed vertices those in use. Splits and collapses cost O(corners that move), and
 /// allocate only where buffers grow.
 #[derive(Debug, Clone)]
-pub struct Surface {
-    stars: Stars,
+pub struct CutSurface {
+    stars: CornerStars,
     output: Output,
     /// Vertices that may have lost their last corner, while a collapse is done.
     loose: Vec<u32>,
@@ -82,15 +82,15 @@ impl Output {
     }
 }
 
-impl Surface {
-    /// The coarsest mesh. With `packed`, corners name slots of [`Surface::vertices`]; without, vertices of the hierarchy.
+impl CutSurface {
+    /// The coarsest mesh. With `packed`, corners name slots of [`CutSurface::vertices`]; without, vertices of the hierarchy.
     pub fn new(hierarchy: &VertexHierarchy, packed: bool) -> Self {
         let output = Output {
             place: vec![NONE; hierarchy.triangle_count()],
             groups: vec![Group::default(); hierarchy.materials().len().max(1)],
             packed: packed.then(|| Packed::new(hierarchy.vertex_count())),
         };
-        let stars = Stars::new(hierarchy.vertex_count());
+        let stars = CornerStars::new(hierarchy.vertex_count());
         let mut surface = Self { stars, output, loose: Vec::new() };
         for triangle in 0..hierarchy.first_triangle[0] {
             surface.show(hierarchy, triangle, |_| false);
@@ -132,13 +132,13 @@ impl Surface {
         }
     }
 
-    /// Triangles of a group written since [`Surface::clean`], as ranges; see [`Dirty::ranges`].
+    /// Triangles of a group written since [`CutSurface::clean`], as ranges; see [`Dirty::ranges`].
     pub fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
         let group = self.output.groups.get(group);
         group.map_or_else(DirtyRanges::none, |group| group.dirty.ranges(group.drawn.len(), gap))
     }
 
-    /// Slots written since [`Surface::clean`], as ranges; none where vertices are not packed.
+    /// Slots written since [`CutSurface::clean`], as ranges; none where vertices are not packed.
     pub fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
         self.output.packed.as_ref().map_or_else(DirtyRanges::none, |packed| packed.dirty(gap))
     }

@@ -13,7 +13,7 @@
 //! at which paths meet, and jump pointers find it, however long the chains are.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
-use crate::simplify::lineage::{Forest, is_degenerate};
+use crate::simplify::collapse_forest::{Forest, is_degenerate};
 use crate::view::Bounds;
 
 use super::build::{MOST_MATERIALS, MOST_TRIANGLES};

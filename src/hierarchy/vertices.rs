@@ -15,7 +15,7 @@ use crate::adapt::{Dirty, DirtyRanges};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 
-use super::{Surface, VertexHierarchy};
+use super::{CutSurface, VertexHierarchy};
 
 #[derive(Debug, Clone)]
 struct Entry<V> {
@@ -57,7 +57,7 @@ pub(super) struct Vertices<V> {
 
 impl<V: Vertex> Vertices<V> {
     /// All at rest, all to be uploaded. `values` must be as many as vertices. `mix` where vertices may move.
-    pub fn new(values: Values<V>, surface: &Surface, mix: Option<Mix<V>>, shared: bool) -> Self {
+    pub fn new(values: Values<V>, surface: &CutSurface, mix: Option<Mix<V>>, shared: bool) -> Self {
         let count = values.len();
         let drawn = match (surface.vertices(), mix) {
             (Some(vertices), _) => Some(vertices.iter().map(|&vertex| values[vertex as usize]).collect()),
@@ -133,7 +133,7 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Writes what is drawn where something moved, or where a slot got another vertex.
-    pub fn write(&mut self, surface: &mut Surface) {
+    pub fn write(&mut self, surface: &mut CutSurface) {
         let Self { values, drawn: Some(drawn), dirty, moving, .. } = self else { return };
         if let Some(vertices) = surface.vertices() {
             drawn.truncate(vertices.len());

@@ -1,6 +1,6 @@
 //! What instances that refine by view have in common: the cut that views ask for, and what is drawn on the way there.
 
-use crate::adapt::{Change, Cut, Pace, Picture, Refinements, Tolerance, is_done};
+use crate::adapt::{Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, is_done};
 use crate::view::{Answer, Criterion, Motion, ObjectView};
 
 use super::LodOptions;
@@ -12,7 +12,7 @@ pub(crate) struct Driver {
     views: Vec<ObjectView>,
     options: LodOptions,
     /// `None` where what is asked for is drawn at once.
-    pace: Option<Box<Pace>>,
+    limits: Option<Box<FrameLimits>>,
     tolerance: Tolerance,
     /// Whether no answer of the cut holds any more.
     forgets: bool,
@@ -25,7 +25,7 @@ impl Driver {
             cut,
             views: Vec::new(),
             options: LodOptions::default(),
-            pace: None,
+            limits: None,
             tolerance: Tolerance::default(),
             forgets: false,
         }
@@ -49,7 +49,7 @@ impl Driver {
 
     /// Whether a refinement is drawn, where that may differ from being in the cut.
     pub fn shows(&self, r: u32) -> bool {
-        self.pace.as_ref().map_or_else(|| self.cut.holds(r), |pace| pace.shows(r))
+        self.limits.as_ref().map_or_else(|| self.cut.holds(r), |limits| limits.shows(r))
     }
 
     /// Asks about everything in the next call.
@@ -62,14 +62,14 @@ impl Driver {
         &mut self,
         of: &R,
         options: &LodOptions,
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
         wanted: impl FnOnce(&Cut) -> usize,
     ) {
         self.forgets |= options.triangles != self.options.triangles;
         let moves = options.geomorph.is_some();
         if options.is_immediate() || moves != self.options.geomorph.is_some() {
-            if let Some(mut pace) = self.pace.take() {
-                pace.settle(of, picture);
+            if let Some(mut limits) = self.limits.take() {
+                limits.settle(of, sink);
             }
         }
         self.options = *options;
@@ -77,14 +77,15 @@ impl Driver {
             return;
         }
         let cut = &self.cut;
-        let pace = self.pace.get_or_insert_with(|| Box::new(Pace::new(of, cut, picture.triangles(), moves)));
-        pace.set(options.triangles, options.operations, wanted(cut));
+        let limits =
+            self.limits.get_or_insert_with(|| Box::new(FrameLimits::new(of, cut, sink.triangles(), moves)));
+        limits.set(options.triangles, options.operations, wanted(cut));
     }
 
     /// Draws all that was last asked for, at once.
-    pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, picture: &mut impl Picture) {
-        if let Some(pace) = &mut self.pace {
-            pace.settle(of, picture);
+    pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
+        if let Some(limits) = &mut self.limits {
+            limits.settle(of, sink);
         }
     }
 
@@ -93,14 +94,14 @@ impl Driver {
         &mut self,
         of: &R,
         (views, seconds, diagonal): (&[ObjectView], f32, f64),
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change
     where
         [ObjectView]: Criterion<R::Bounds>,
     {
         let motion = if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) };
-        let change = self.adapt_by(of, (views, motion, seconds, diagonal), picture, cost);
+        let change = self.adapt_by(of, (views, motion, seconds, diagonal), sink, cost);
         self.views.extend_from_slice(views);
         change
     }
@@ -110,7 +111,7 @@ impl Driver {
         &mut self,
         of: &R,
         (criterion, motion, seconds, diagonal): (&C, Motion, f32, f64),
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change {
         self.views.clear();
@@ -118,29 +119,29 @@ impl Driver {
             self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
         let motion = if std::mem::take(&mut self.forgets) { Motion::Other } else { motion };
         if self.tolerance.is_one() {
-            return self.move_to(of, (criterion, motion, progress), picture, cost);
+            return self.move_to(of, (criterion, motion, progress), sink, cost);
         }
         let (scaled, motion) = self.tolerance.scale(criterion, motion);
-        self.move_to(of, (&scaled, motion, progress), picture, cost)
+        self.move_to(of, (&scaled, motion, progress), sink, cost)
     }
 
     fn move_to<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
         (criterion, motion, progress): (&C, Motion, f32),
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change {
-        let Self { cut, pace, .. } = self;
-        match pace {
-            None => direct(of, cut, (criterion, motion), picture),
-            Some(pace) => pace.update((of, cut), picture, criterion, motion, progress, cost),
+        let Self { cut, limits, .. } = self;
+        match limits {
+            None => direct(of, cut, (criterion, motion), sink),
+            Some(limits) => limits.update((of, cut), sink, criterion, motion, progress, cost),
         }
     }
 
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
-        self.cut.memory() + self.pace.as_ref().map_or(0, |pace| pace.memory())
+        self.cut.memory() + self.limits.as_ref().map_or(0, |limits| limits.memory())
     }
 }
 
@@ -149,23 +150,23 @@ fn direct<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
     of: &R,
     cut: &mut Cut,
     (criterion, motion): (&C, Motion),
-    picture: &mut impl Picture,
+    sink: &mut impl RefinementSink,
 ) -> Change {
     let cut = cut.update(of, criterion, motion, |state, r, comes| {
         if comes {
-            picture.refine(r, false, |other| is_done(state, other));
+            sink.refine(r, false, |other| is_done(state, other));
         } else {
-            picture.coarsen(r);
+            sink.coarsen(r);
         }
     });
-    Change { cut, triangles: picture.triangles(), ..Change::default() }
+    Change { cut, triangles: sink.triangles(), ..Change::default() }
 }
 
 /// Needs everything, from everywhere.
 pub(crate) struct Everything;
 
 impl<B> Criterion<B> for Everything {
-    fn needs(&self, _: &B) -> Answer {
+    fn test(&self, _: &B) -> Answer {
         Answer::ALWAYS
     }
 

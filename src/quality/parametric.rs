@@ -41,7 +41,7 @@ pub struct ParametricDeviation {
 /// point of the original is farther from its image; the image is the level, and what vanished triangles shrank to, which
 /// lies on the level unless a whole piece of the mesh has shrunk to nothing. Whatever is painted on the original and
 /// carried along by the map slides by no more. On flat parts, where vertices move within the surface, it is far above
-/// [`distance()`](super::distance()): compare [`ErrorMeasure::Travel`](crate::simplify::ErrorMeasure), which bounds it
+/// [`distance()`](super::distance()): compare [`ErrorMeasure::Parametric`](crate::simplify::ErrorMeasure), which bounds it
 /// step by step.
 ///
 /// Vertices that no triangle uses do not count. O(n).

@@ -14,7 +14,7 @@ pub(super) struct Sight<'a> {
 }
 
 /// What a ray sees.
-pub(super) struct Seen {
+pub(super) struct SeenSurface {
     pub hit: RayHit,
     /// The mesh's triangle.
     pub triangle: usize,
@@ -30,7 +30,12 @@ pub(super) struct Seen {
 
 impl Sight<'_> {
     /// Along a unit direction; `None` where the ray misses the surface.
-    pub(super) fn look(&self, walker: &mut Walker<'_>, origin: DVec3, direction: DVec3) -> Option<Seen> {
+    pub(super) fn look(
+        &self,
+        walker: &mut Walker<'_>,
+        origin: DVec3,
+        direction: DVec3,
+    ) -> Option<SeenSurface> {
         let hit = walker.first_hit(origin, direction, f64::INFINITY)?;
         let triangle = self.bvh.triangle_of()[hit.slot as usize] as usize;
         let [a, b, c] = self.bvh.corners(hit.slot);
@@ -39,7 +44,7 @@ impl Sight<'_> {
         let facing = if front { face } else { -face };
         let weights = hit.weights.map(|w| w as f32);
         let normal = self.normal(triangle, weights, face.as_vec3(), front, direction.as_vec3());
-        Some(Seen { hit, triangle, weights, front, facing, normal })
+        Some(SeenSurface { hit, triangle, weights, front, facing, normal })
     }
 
     fn normal(&self, triangle: usize, weights: [f32; 3], face: Vec3, front: bool, direction: Vec3) -> Vec3 {

@@ -16,7 +16,7 @@ use crate::mesh::{NONE, crossing::triangles_cross};
 
 use super::oracle::{Collapse, Oracle};
 use super::patch::Facet;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Triangles in a leaf, at most.
 const LEAF: usize = 4;
@@ -88,14 +88,14 @@ impl SelfIntersection {
     }
 
     /// The box of what is left in a leaf.
-    fn leaf_box(&self, surface: &Surface, leaf: usize) -> Bounds {
+    fn leaf_box(&self, surface: &WorkingSurface, leaf: usize) -> Bounds {
         let range = self.start[leaf] as usize..self.start[leaf + 1] as usize;
         let corners = self.triangles[range].iter().filter_map(|&t| corners(surface, t));
         corners.fold(Bounds::NONE, |all, corners| all.and(&Bounds::of(&corners)))
     }
 
     /// Makes the boxes above a triangle anew.
-    fn refit(&mut self, surface: &Surface, triangle: u32) {
+    fn refit(&mut self, surface: &WorkingSurface, triangle: u32) {
         let leaf = self.leaf_of[triangle as usize];
         if leaf == NONE {
             return;
@@ -126,7 +126,7 @@ impl SelfIntersection {
     }
 }
 
-fn corners(surface: &Surface, triangle: u32) -> Option<[Vec3; 3]> {
+fn corners(surface: &WorkingSurface, triangle: u32) -> Option<[Vec3; 3]> {
     surface.triangle(triangle).map(|corners| corners.map(|p| surface.at(p)))
 }
 
@@ -135,7 +135,7 @@ impl Oracle for SelfIntersection {
         "self-intersection"
     }
 
-    fn begin(&mut self, surface: &Surface) -> bool {
+    fn begin(&mut self, surface: &WorkingSurface) -> bool {
         let live = |t: u32| corners(surface, t).map(|[a, b, c]| ((a + b + c) / 3.0, t));
         let mut items: Vec<(Vec3, u32)> = (0..surface.triangle_count() as u32).filter_map(live).collect();
         let leaves = items.len().div_ceil(LEAF).next_power_of_two();
@@ -154,7 +154,7 @@ impl Oracle for SelfIntersection {
         true
     }
 
-    fn changed(&mut self, surface: &Surface, kept: Option<u32>, dead: &[u32]) {
+    fn changed(&mut self, surface: &WorkingSurface, kept: Option<u32>, dead: &[u32]) {
         for &triangle in dead {
             self.refit(surface, triangle);
         }
@@ -163,7 +163,7 @@ impl Oracle for SelfIntersection {
         }
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let facets = collapse.patch.facets();
         if self.boxes.is_empty() || facets.is_empty() {
             return true;

@@ -13,7 +13,7 @@ use super::classify::kind;
 use super::engine::HUB;
 use super::metric::{ErrorMetric, Pair};
 use super::placement::Placement;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 use crate::mesh::NONE;
 
 /// Up to so many times the edge's length an optimum may lie from its middle without further ado.
@@ -41,7 +41,7 @@ pub(super) const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
 #[derive(Clone, Copy)]
 pub(super) struct Judge<'a, M> {
     pub metric: &'a M,
-    pub surface: &'a Surface,
+    pub surface: &'a WorkingSurface,
     pub placement: Placement,
 }
 

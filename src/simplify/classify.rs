@@ -6,7 +6,7 @@
 use crate::mesh::NONE;
 
 use super::sheets::{LayerEdge, edge_between};
-use super::surface::{Corner, Surface};
+use super::surface::{Corner, WorkingSurface};
 
 /// What a point is, as bits.
 pub(crate) mod kind {
@@ -32,7 +32,7 @@ pub(crate) mod kind {
     pub const FEATURE: u16 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
-impl Surface {
+impl WorkingSurface {
     /// Whether edges of this kind must stay edges.
     pub(crate) fn holds(&self, bit: u16) -> bool {
         self.held & bit != 0
@@ -46,7 +46,7 @@ impl Surface {
 
     /// Finds what every point is. O(corners).
     pub(super) fn classify(&mut self) {
-        self.scratch.seen = vec![Seen::default(); self.positions.len()];
+        self.scratch.seen = vec![SeenNeighbour::default(); self.positions.len()];
         for point in 0..self.positions.len() as u32 {
             self.classify_point(point);
         }
@@ -178,7 +178,7 @@ impl Surface {
         }
         bits |= if features == 2 { kind::CURVE } else { 0 };
         for &n in &neighbours {
-            seen[n as usize] = Seen::default();
+            seen[n as usize] = SeenNeighbour::default();
         }
         self.scratch.seen = seen;
         self.scratch.neighbours = neighbours;
@@ -296,7 +296,7 @@ impl Surface {
 }
 
 /// Neighbours on the ring that starts at the first, where each has exactly one follower.
-fn ring_length(seen: &[Seen], neighbours: &[u32]) -> usize {
+fn ring_length(seen: &[SeenNeighbour], neighbours: &[u32]) -> usize {
     let Some(&first) = neighbours.first() else { return 0 };
     let (mut at, mut length) = (seen[first as usize].follow, 1);
     while at != first && length <= neighbours.len() {
@@ -308,7 +308,7 @@ fn ring_length(seen: &[Seen], neighbours: &[u32]) -> usize {
 
 /// What is known of one neighbour while a star is walked.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Seen {
+pub(super) struct SeenNeighbour {
     count: u32,
     next: u32,
     /// The neighbour that comes after this one around the point.

@@ -18,7 +18,7 @@ use glam::Vec3;
 use crate::mesh::NONE;
 
 use super::classify::kind;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Cosine of the angle between two triangles' normals below which their edge is a crease.
 const CREASE: f32 = 0.75;
@@ -59,7 +59,7 @@ pub(super) struct Curves {
 
 impl Curves {
     /// The curves of a surface that is classified. O(n), plus O(k log k) around a point of valence k.
-    pub fn new(surface: &Surface) -> Self {
+    pub fn new(surface: &WorkingSurface) -> Self {
         let mut found = creases(surface);
         let features = (0..surface.point_count() as u32).filter(|&p| surface.kind(p) & kind::FEATURE != 0);
         let mut around = Vec::new();
@@ -199,7 +199,7 @@ impl Curves {
 }
 
 /// Whether the triangles on an edge meet at an angle that makes a crease.
-fn is_bent(surface: &Surface, u: u32, v: u32) -> bool {
+fn is_bent(surface: &WorkingSurface, u: u32, v: u32) -> bool {
     let (mut first, mut bent) = (None, false);
     surface.for_shared_triangles(u, v, |triangle| {
         let Some([p, q, r]) = surface.triangle(triangle).map(|points| points.map(|p| surface.at(p))) else {
@@ -214,7 +214,7 @@ fn is_bent(surface: &Surface, u: u32, v: u32) -> bool {
 
 /// What creases are found with.
 struct Bends<'a> {
-    surface: &'a Surface,
+    surface: &'a WorkingSurface,
     /// Twice the area long.
     normals: Vec<Vec3>,
 }
@@ -267,7 +267,7 @@ impl Bends<'_> {
 }
 
 /// The creases of a surface, the lower end first. O(n), plus O(k log k) around a point of valence k that has any.
-fn creases(surface: &Surface) -> Vec<[u32; 2]> {
+fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     let normal = |t: u32| match surface.triangle(t).map(|points| points.map(|p| surface.at(p))) {
         Some([p, q, r]) => (q - p).cross(r - p),
         None => Vec3::ZERO,
@@ -347,7 +347,7 @@ fn creases(surface: &Surface) -> Vec<[u32; 2]> {
 }
 
 /// Takes creases away that end at a point where no other crease and no feature goes on, and what then ends there.
-fn without_loose_ends(surface: &Surface, creases: &mut Vec<[u32; 2]>) {
+fn without_loose_ends(surface: &WorkingSurface, creases: &mut Vec<[u32; 2]>) {
     let curves = Curves::of_edges(creases.clone(), surface.point_count());
     let mut left: Vec<u32> =
         (0..surface.point_count() as u32).map(|p| curves.around(p).count() as u32).collect();

@@ -43,7 +43,7 @@ use super::recorder::Recorder;
 use super::report::StopReason;
 use super::sequence::CollapseSequence;
 use super::simplifier::Settings;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 use vanish::Vanishing;
 
 pub(super) use hubs::HUB;
@@ -121,7 +121,7 @@ pub(super) struct Engine<'a, M> {
     /// Those that are told of changes.
     watchers: Vec<usize>,
     limits: Limits,
-    surface: Surface,
+    surface: WorkingSurface,
     /// Separate parts, where there are several and they matter.
     parts: Option<Box<Parts>>,
     vanishing: Vanishing,
@@ -227,9 +227,9 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     }
 
     /// Points and wedges, and the surface of them: cracks closed that are no wider than the tolerance.
-    fn welded(mesh: &Mesh, tolerances: &Tolerances) -> (Topology, Surface) {
+    fn welded(mesh: &Mesh, tolerances: &Tolerances) -> (Topology, WorkingSurface) {
         let topology = Topology::with(mesh, tolerances);
-        let surface = Surface::new(mesh, &topology);
+        let surface = WorkingSurface::new(mesh, &topology);
         let is_open = |point: u32| surface.is_border(point) && !surface.is_locked(point);
         if !(0..surface.point_count() as u32).any(is_open) {
             return (topology, surface);
@@ -239,7 +239,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             return (topology, surface);
         }
         let topology = topology.with_twins(mesh, tolerances, &twin);
-        let surface = Surface::new(mesh, &topology);
+        let surface = WorkingSurface::new(mesh, &topology);
         (topology, surface)
     }
 
@@ -711,7 +711,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
 
     /// The largest error that the guard allows after the collapse whose patch is in `self.patch`, inner units.
     fn guard_limit(&self) -> f32 {
-        self.watch.limit(self.surface.live_sheets() - self.patch.thirds().len())
+        self.watch.limit(self.surface.live_sheets() - self.patch.opposite().len())
     }
 
     /// Whether a collapse may bring the error beyond a limit: what lay on a patch is afterwards farther from it by no
@@ -764,7 +764,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
         let recorder = &self.recorder;
         self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
-        if shifts_features || self.breaks_topology || self.patch.thirds().is_empty() {
+        if shifts_features || self.breaks_topology || self.patch.opposite().is_empty() {
             self.surface.reclassify_around(pair.kept);
         }
         self.metric.collapsed(&self.surface, pair);

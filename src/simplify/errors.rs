@@ -1,15 +1,15 @@
-//! How the error of a step is found: by the distance that points have travelled, or by witnesses on surface and curves.
+//! How the error of a step is found: by the distance that points have travelled, or by tracked samples on surface and curves.
 
 use glam::Vec3;
 
-use super::curve_witness::CurveWitnesses;
+use super::curve_samples::CurveSamples;
 use super::metric::Pair;
 use super::options::ErrorMeasure;
+use super::parametric_error::ParametricError;
 use super::patch::Patch;
-use super::surface::Surface;
-use super::travel::Travel;
+use super::surface::WorkingSurface;
+use super::tracked_samples::TrackedSamples;
 use super::way_back::WayBack;
-use super::witness::Witnesses;
 
 /// Deviations up to this are rounding and count as none, inner units: a few units in the last place of the coordinates,
 /// at most 1e-6 of the diagonal.
@@ -37,36 +37,36 @@ impl Deviation {
 /// How the error of a step is found.
 pub(super) enum Errors {
     /// Bounds surface and curves alike.
-    Travel(Travel),
-    Witnesses(Box<Watch>),
+    Parametric(ParametricError),
+    TrackedSamples(Box<Watch>),
 }
 
 /// What is watched of surface and curves.
 pub(super) struct Watch {
-    surface: Witnesses,
-    curves: CurveWitnesses,
+    surface: TrackedSamples,
+    curves: CurveSamples,
     back: WayBack,
     /// What was measured last, of which pair and where.
     measured: Option<(Pair, Vec3, Deviation)>,
 }
 
 impl Errors {
-    pub fn new(surface: &Surface, measure: ErrorMeasure) -> Self {
+    pub fn new(surface: &WorkingSurface, measure: ErrorMeasure) -> Self {
         match measure {
-            ErrorMeasure::Travel => Self::Travel(Travel::new(surface)),
-            _ => Self::Witnesses(Box::new(Watch {
-                surface: Witnesses::new(surface, measure == ErrorMeasure::Verified),
-                curves: CurveWitnesses::new(surface),
+            ErrorMeasure::Parametric => Self::Parametric(ParametricError::new(surface)),
+            _ => Self::TrackedSamples(Box::new(Watch {
+                surface: TrackedSamples::new(surface, measure == ErrorMeasure::Verified),
+                curves: CurveSamples::new(surface),
                 back: WayBack::new(surface),
                 measured: None,
             })),
         }
     }
 
-    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
+    pub fn measure(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Travel(travel) => both(travel.measure(surface, pair, x)),
-            Self::Witnesses(watch) => {
+            Self::Parametric(error) => both(error.measure(surface, pair, x)),
+            Self::TrackedSamples(watch) => {
                 let apart = watch.surface.measure(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.measure(surface, pair, x).worst } else { 0.0 };
@@ -77,10 +77,10 @@ impl Errors {
         }
     }
 
-    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
+    pub fn hand_over(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Travel(travel) => both(travel.merge(surface, pair, x)),
-            Self::Witnesses(watch) => {
+            Self::Parametric(error) => both(error.merge(surface, pair, x)),
+            Self::TrackedSamples(watch) => {
                 let apart = watch.surface.hand_over(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.hand_over(surface, pair, x).worst } else { 0.0 };
@@ -99,10 +99,10 @@ impl Errors {
 
     /// The integral of squared distance that a collapse adds, each point of the input standing for its share of the
     /// area, on the surface and once more on a curve.
-    pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
+    pub fn added(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
         match self {
-            Self::Travel(_) => None,
-            Self::Witnesses(watch) => {
+            Self::Parametric(_) => None,
+            Self::TrackedSamples(watch) => {
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.measure(surface, pair, x).added } else { 0.0 };
                 Some(watch.surface.added(surface, patch, pair, x) + curve * watch.surface.share())
@@ -115,30 +115,30 @@ impl Errors {
     /// are as far from what is left as its surface.
     pub fn measure_vanishing(
         &mut self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         points: &[u32],
         into: u32,
         nearest: impl FnMut(Vec3) -> (f32, u32),
     ) -> Deviation {
         match self {
-            Self::Travel(travel) => both(travel.measure_vanishing(surface, points, into)),
-            Self::Witnesses(watch) => both(watch.surface.measure_vanishing(surface, points, nearest)),
+            Self::Parametric(error) => both(error.measure_vanishing(surface, points, into)),
+            Self::TrackedSamples(watch) => both(watch.surface.measure_vanishing(surface, points, nearest)),
         }
     }
 
     /// Takes down that a part vanishes, just before it does and after it was measured: its error.
-    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> Deviation {
+    pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32], into: u32) -> Deviation {
         match self {
-            Self::Travel(travel) => both(travel.vanish(surface, points, into)),
-            Self::Witnesses(watch) => both(watch.surface.vanish(surface, points)),
+            Self::Parametric(error) => both(error.vanish(surface, points, into)),
+            Self::TrackedSamples(watch) => both(watch.surface.vanish(surface, points)),
         }
     }
 
     /// The triangles that what was measured last would hang on.
     pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
         let handed = match self {
-            Self::Travel(_) => &[][..],
-            Self::Witnesses(watch) => watch.surface.handed(),
+            Self::Parametric(_) => &[][..],
+            Self::TrackedSamples(watch) => watch.surface.handed(),
         };
         handed.iter().map(|&(_, _, triangle)| triangle)
     }
@@ -150,7 +150,7 @@ impl Watch {
     #[inline]
     fn with_way_back(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         patch: &Patch,
         pair: Pair,
         x: Vec3,

@@ -35,7 +35,7 @@ pub(super) struct Place {
 /// The place of the middle of every triangle of the mesh. `number` gives for every vertex of the mesh the level's vertex
 /// that stands for it, `NONE` where there is none. O(input) for levels without hubs.
 pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
-    let stars = Stars::new(level);
+    let stars = LevelStars::new(level);
     let one = |t: usize| {
         let corners = mesh.triangles()[t];
         let middle = middle(mesh, corners);
@@ -97,7 +97,7 @@ fn middle(mesh: &Mesh, [a, b, c]: [u32; 3]) -> DVec3 {
 }
 
 /// The triangles around every vertex of a level.
-struct Stars<'a> {
+struct LevelStars<'a> {
     level: &'a Mesh,
     /// Where positions are 0, and what makes the level's diagonal 1: so that single precision will do.
     centre: DVec3,
@@ -108,7 +108,7 @@ struct Stars<'a> {
     around: Vec<(u32, [u32; 2])>,
 }
 
-impl<'a> Stars<'a> {
+impl<'a> LevelStars<'a> {
     fn new(level: &'a Mesh) -> Self {
         let mut start = vec![0u32; level.positions().len() + 1];
         level.indices().iter().for_each(|&v| start[v as usize + 1] += 1);

@@ -38,7 +38,7 @@ pub struct Growth {
     /// The farthest that a vertex went, object units: how far the level may lie from the input beyond what the
     /// sequence's error says.
     pub distance: f32,
-    /// What is covered along x, y and z, in parts of what the input covers; 1 where that is nothing. Seen from either end
+    /// What is covered along x, y and z, in parts of what the input covers; 1 where that is nothing. SeenNeighbour from either end
     /// of an axis, the same is covered.
     pub coverage: [f64; 3],
 }

@@ -4,14 +4,14 @@
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
 //! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/give.rs`: what gives before a target is missed; `engine/vanish.rs`: how a part goes; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins; `parts.rs`: separate parts; `near.rs`: what lies near |
-//! | `surface.rs` | [`Surface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
+//! | `surface.rs` | [`WorkingSurface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
 //! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed; `apart.rs`: whether the surface would cross itself |
 //! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
 //! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
 //! | `metric/` | [`ErrorMetric`]: what one costs |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
 //! | `lanes.rs` | four vectors at once; `sectors.rs`: four triangles around a point, and how far a place is from each |
-//! | `errors.rs` | how the error of a step is found; `witness.rs`: how far the input lies from the level; `curve_witness.rs`: the same for curves; `way_back.rs`: how far the level lies from the input, next to curves and once it is coarse; `angles.rs`: few of many triangles around a point; `travel.rs`: how far its points have travelled |
+//! | `errors.rs` | how the error of a step is found; `tracked_samples.rs`: how far the input lies from the level; `curve_samples.rs`: the same for curves; `way_back.rs`: how far the level lies from the input, next to curves and once it is coarse; `angles.rs`: few of many triangles around a point; `parametric_error.rs`: how far its points have travelled |
 //! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
 //! | `grow.rs` | levels whose parts grow for those that vanished |
 //! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
@@ -24,7 +24,8 @@ mod apart;
 mod attribute_deviation;
 mod candidates;
 mod classify;
-mod curve_witness;
+pub(crate) mod collapse_forest;
+mod curve_samples;
 mod curves;
 mod engine;
 mod errors;
@@ -32,13 +33,13 @@ mod footprint;
 mod grow;
 mod keep_sides;
 mod lanes;
-pub(crate) mod lineage;
 pub mod metric;
 mod near;
 mod normals;
 mod options;
 pub mod oracle;
 mod pairs;
+mod parametric_error;
 mod parts;
 mod patch;
 mod permissive;
@@ -59,11 +60,10 @@ mod simplifier;
 mod solved;
 mod stars;
 mod surface;
-mod travel;
+mod tracked_samples;
 mod way_back;
 mod wedge_map;
 mod wedge_values;
-mod witness;
 
 pub use attribute_deviation::AttributeDeviation;
 pub use grow::Growth;
@@ -80,4 +80,4 @@ pub use report::{Refusal, SimplifyReport, StopReason};
 pub use sequence::{CollapseSequence, NewVertex, Origin};
 pub use sequence_build::SequenceError;
 pub use simplifier::Simplifier;
-pub use surface::{Corner, Frame, Surface};
+pub use surface::{Corner, Frame, WorkingSurface};

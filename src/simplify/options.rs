@@ -27,7 +27,7 @@ pub enum ErrorMeasure {
     /// How far input points have travelled to the point they were merged into. A proven bound for the distance of
     /// the surfaces in both directions and for how far textures slide, but a loose one where the surface is flat: the
     /// fastest, for a sequence of which only the order matters.
-    Travel,
+    Parametric,
     /// The largest distance of an input point from the level's surface, of the curves of input and level from each other, and
     /// next to curves and on coarse levels of the level's triangles from the input, measured as they change. Tight.
     #[default]
@@ -55,7 +55,7 @@ pub enum ErrorMeasure {
 /// [`StopReason::Guard`](super::StopReason::Guard). The limit holds also where no target is asked for, as for base
 /// meshes: below 7 triangles it allows anything.
 ///
-/// The guard judges measured distances: it has no say with [`ErrorMeasure::Travel`].
+/// The guard judges measured distances: it has no say with [`ErrorMeasure::Parametric`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

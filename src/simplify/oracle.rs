@@ -9,7 +9,7 @@ pub use super::apart::SelfIntersection;
 use super::classify::kind;
 use super::metric::Pair;
 use super::patch::{Facet, Patch, quality};
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 
 /// A collapse that an oracle is asked about.
@@ -25,7 +25,7 @@ pub struct Collapse<'a> {
 
 impl Collapse<'_> {
     /// Whether the kept point stays where it is.
-    pub fn keeps_position(&self, surface: &Surface) -> bool {
+    pub fn keeps_position(&self, surface: &WorkingSurface) -> bool {
         surface.position(self.pair.kept) == self.position
     }
 }
@@ -50,7 +50,7 @@ pub trait Oracle: Send + Sync {
     fn name(&self) -> &str;
 
     /// Whether the collapse may be done.
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool;
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool;
 
     /// What the rule looks at. Default: the whole patch, which is always right.
     fn reads(&self) -> Reads {
@@ -65,20 +65,20 @@ pub trait Oracle: Send + Sync {
 
     /// Called before the first collapse on a surface. Whether the rule wants to be told of changes by
     /// [`changed`](Oracle::changed). Default: no.
-    fn begin(&mut self, surface: &Surface) -> bool {
+    fn begin(&mut self, surface: &WorkingSurface) -> bool {
         let _ = surface;
         false
     }
 
     /// Called after each step, where [`begin`](Oracle::begin) asked for it: triangles `dead` are gone, and those around
     /// `kept` may have changed (`None` where a part vanished and nothing else changed).
-    fn changed(&mut self, surface: &Surface, kept: Option<u32>, dead: &[u32]) {
+    fn changed(&mut self, surface: &WorkingSurface, kept: Option<u32>, dead: &[u32]) {
         let _ = (surface, kept, dead);
     }
 
     /// Whether a part of the surface may vanish as a whole ([`Parts::Vanish`](super::Parts::Vanish)). `points` are all
     /// its points. Default: yes.
-    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+    fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         let _ = (surface, points);
         true
     }
@@ -115,7 +115,7 @@ impl Oracle for Locks {
         "locks"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         !surface.is_locked(collapse.pair.lost)
             && (!surface.is_locked(collapse.pair.kept) || collapse.keeps_position(surface))
     }
@@ -124,7 +124,7 @@ impl Oracle for Locks {
         Reads::Pair
     }
 
-    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+    fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         !points.iter().any(|&point| surface.is_locked(point))
     }
 }
@@ -145,7 +145,7 @@ impl Oracle for Borders {
         "border"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let slide = *self == Self::Slide;
         stays_on_curve(surface, collapse, kind::BORDER, slide)
     }
@@ -154,7 +154,7 @@ impl Oracle for Borders {
         Reads::Pair
     }
 
-    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+    fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         *self == Self::Slide || !points.iter().any(|&point| surface.is_border(point))
     }
 
@@ -181,7 +181,7 @@ impl Oracle for NonManifold {
         "non-manifold"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let slide = *self == Self::Slide;
         stays_on_curve(surface, collapse, kind::NON_MANIFOLD, slide)
             || slide && moves_pinch(surface, collapse)
@@ -191,7 +191,7 @@ impl Oracle for NonManifold {
         Reads::Pair
     }
 
-    fn allows_vanishing(&self, surface: &Surface, points: &[u32]) -> bool {
+    fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         *self == Self::Slide || !points.iter().any(|&point| surface.is_non_manifold(point))
     }
 
@@ -209,7 +209,7 @@ impl Oracle for Materials {
         "material"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         stays_on_curve(surface, collapse, kind::MATERIAL, true)
     }
 
@@ -227,7 +227,7 @@ impl Oracle for Seams {
         "seam"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         if !surface.has_seams() {
             return true;
         }
@@ -256,19 +256,19 @@ impl Oracle for UvOrientation {
         "uv orientation"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         surface.keeps_uv_sides(collapse.pair, collapse.position.into())
     }
 }
 
 /// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
 #[inline]
-fn stays_on_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
+fn stays_on_curve(surface: &WorkingSurface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
     either & bit == 0 || slides_along_curve(surface, collapse, bit, slide)
 }
 
-fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
+fn slides_along_curve(surface: &WorkingSurface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let slides = |pair: Pair| {
         let bits = surface.kind(pair.lost);
         if bits & bit == 0 {
@@ -287,7 +287,7 @@ fn slides_along_curve(surface: &Surface, collapse: &Collapse, bit: u16, slide: b
 
 /// Whether one end is a point of several fans and nothing else, and the other is free to become it.
 #[cold]
-fn moves_pinch(surface: &Surface, collapse: &Collapse) -> bool {
+fn moves_pinch(surface: &WorkingSurface, collapse: &Collapse) -> bool {
     let is_pinch = |point: u32| {
         let corners = || surface.star(point).flat_map(|corner| corner.others);
         let is_non_manifold =
@@ -316,18 +316,18 @@ impl Oracle for LinkCondition {
         true
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let Pair { lost, kept } = collapse.pair;
-        let thirds = collapse.patch.thirds();
+        let opposite = collapse.patch.opposite();
         // Each triangle on the edge must have a third corner of its own.
         if !collapse.patch.thirds_differ()
-            || thirds.len() > 1 && surface.is_border(lost) && surface.is_border(kept)
+            || opposite.len() > 1 && surface.is_border(lost) && surface.is_border(kept)
         {
             // The second: two borders would meet in a point.
             return false;
         }
         if (surface.kind(lost) | surface.kind(kept)) & kind::NON_MANIFOLD != 0
-            && thirds.iter().any(|&third| joins_curves(surface, collapse.pair, third))
+            && opposite.iter().any(|&third| joins_curves(surface, collapse.pair, third))
         {
             return false;
         }
@@ -353,14 +353,14 @@ impl Oracle for LinkCondition {
         }
         // Where nothing of the star survives, every edge left behind must hang on another triangle.
         !collapse.patch.facets_of_lost().is_empty()
-            || thirds.iter().all(|&third| is_shared_edge(surface, kept, third))
+            || opposite.iter().all(|&third| is_shared_edge(surface, kept, third))
     }
 }
 
 /// Whether a third corner is joined to both ends by borders or non-manifold edges: two curves would become one, and the
 /// sheet between them would be gone.
 #[cold]
-fn joins_curves(surface: &Surface, pair: Pair, third: u32) -> bool {
+fn joins_curves(surface: &WorkingSurface, pair: Pair, third: u32) -> bool {
     let is_curve = |end: u32| {
         surface.edge_kind(end, third).is_some_and(|edge| edge & (kind::BORDER | kind::NON_MANIFOLD) != 0)
     };
@@ -368,13 +368,13 @@ fn joins_curves(surface: &Surface, pair: Pair, third: u32) -> bool {
 }
 
 /// Whether at least two triangles hang on an edge.
-fn is_shared_edge(surface: &Surface, u: u32, v: u32) -> bool {
+fn is_shared_edge(surface: &WorkingSurface, u: u32, v: u32) -> bool {
     // Asked from the side with fewer triangles: the other may be a hub.
     let (from, to) = if surface.valence(u) <= surface.valence(v) { (u, v) } else { (v, u) };
     surface.star(from).filter(|corner| corner.others.contains(&to)).nth(1).is_some()
 }
 
-fn has_triangle(surface: &Surface, point: u32, a: u32, b: u32) -> bool {
+fn has_triangle(surface: &WorkingSurface, point: u32, a: u32, b: u32) -> bool {
     let mut corners = [point, a, b];
     corners.sort_unstable_by_key(|&p| surface.valence(p));
     let [from, p, q] = corners;
@@ -384,7 +384,7 @@ fn has_triangle(surface: &Surface, point: u32, a: u32, b: u32) -> bool {
 /// Tells neighbours of a point: from a short list of fixed length (which compares in a few vector instructions), or
 /// for a hub from the other's side.
 struct Neighbourhood<'a> {
-    surface: &'a Surface,
+    surface: &'a WorkingSurface,
     point: u32,
     list: [u32; 16],
     listed: bool,
@@ -392,7 +392,7 @@ struct Neighbourhood<'a> {
 
 impl<'a> Neighbourhood<'a> {
     #[inline]
-    fn new(surface: &'a Surface, point: u32) -> Self {
+    fn new(surface: &'a WorkingSurface, point: u32) -> Self {
         let mut list = [NONE; 16];
         let count = surface.few_neighbours(point, &mut list);
         Self { surface, point, list, listed: count <= 16 }
@@ -444,7 +444,7 @@ impl Oracle for NormalFlip {
         "normal flip"
     }
 
-    fn allows(&self, _: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, _: &WorkingSurface, collapse: &Collapse) -> bool {
         let cos_squared = self.cos * self.cos.abs();
         collapse.patch.facets().iter().all(|facet| {
             let (before, after) = (facet.before.length_squared(), facet.after.length_squared());
@@ -502,14 +502,14 @@ impl Oracle for TriangleQuality {
         "triangle quality"
     }
 
-    fn allows(&self, surface: &Surface, collapse: &Collapse) -> bool {
+    fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let patch = collapse.patch;
         let thinnest = |of: fn(&Facet) -> f32| patch.facets().iter().map(of).fold(f32::INFINITY, f32::min);
         let after = thinnest(Facet::quality_after);
         if after >= self.least {
             return true;
         }
-        let dying = patch.thirds().iter().map(|&third| {
+        let dying = patch.opposite().iter().map(|&third| {
             let [p, q, r] = [collapse.pair.lost, collapse.pair.kept, third].map(|point| surface.at(point));
             quality((q - p).cross(r - p), q - p, r - p)
         });

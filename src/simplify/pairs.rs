@@ -8,7 +8,7 @@
 use crate::mesh::NONE;
 
 use super::parts::Parts;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Pairs kept per point, the nearest.
 const MOST: usize = 8;
@@ -25,7 +25,7 @@ pub(super) struct Partners {
 
 impl Partners {
     /// Of points at most `distance` (inner units) apart; none where it is 0. O(n log n) expected, whatever the distance.
-    pub fn new(surface: &Surface, parts: Option<&mut Parts>, distance: f32) -> Self {
+    pub fn new(surface: &WorkingSurface, parts: Option<&mut Parts>, distance: f32) -> Self {
         let Some(parts) = parts.filter(|_| distance > 0.0) else { return Self::default() };
         let nearest = vec![[NONE; MOST]; surface.point_count()];
         let mut partners = Self { distance, nearest, found: Vec::new() };
@@ -40,7 +40,7 @@ impl Partners {
 
     /// Looks for the partners of a point anew: what lies near it now, and then those that it had, and those of a point that
     /// was merged into it.
-    pub fn look(&mut self, surface: &Surface, parts: &mut Parts, point: u32, merged: Option<u32>) {
+    pub fn look(&mut self, surface: &WorkingSurface, parts: &mut Parts, point: u32, merged: Option<u32>) {
         let own = parts.of(point);
         // Several may have become one point since.
         parts.nearest(surface.at(point), own, (2 * MOST, self.distance), &mut self.found);
@@ -59,7 +59,7 @@ impl Partners {
     }
 
     /// Looks for the partners of all points anew.
-    pub fn look_all(&mut self, surface: &Surface, parts: &mut Parts) {
+    pub fn look_all(&mut self, surface: &WorkingSurface, parts: &mut Parts) {
         for point in (0..surface.point_count() as u32).filter(|&p| surface.valence(p) > 0) {
             self.look(surface, parts, point, None);
         }
@@ -67,7 +67,13 @@ impl Partners {
 
     /// Calls `visit` with what the partners of a point have become, where these are of other parts.
     #[inline]
-    pub fn for_each(&self, surface: &Surface, parts: Option<&Parts>, point: u32, mut visit: impl FnMut(u32)) {
+    pub fn for_each(
+        &self,
+        surface: &WorkingSurface,
+        parts: Option<&Parts>,
+        point: u32,
+        mut visit: impl FnMut(u32),
+    ) {
         let (Some(nearest), Some(parts)) = (self.nearest.get(point as usize), parts) else { return };
         for &other in nearest.iter().take_while(|&&other| other != NONE) {
             let other = parts.now(other);

@@ -16,7 +16,7 @@ use crate::mesh::NONE;
 
 use super::metric::Pair;
 use super::near::Near;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// The least cosine between directions, and the largest ratio of areas, of parts that are kin.
 const KIN_COSINE: f32 = 0.5;
@@ -111,7 +111,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The parts of a surface; `None` where there are fewer than two. O(n), and O(n log n) where there are more.
-    pub fn new(surface: &Surface) -> Option<Self> {
+    pub fn new(surface: &WorkingSurface) -> Option<Self> {
         let points = surface.point_count();
         let (first, count) = components(surface)?;
         let mut live = vec![0u32; count];
@@ -394,7 +394,7 @@ fn root(joined: &[u32], mut part: u32) -> u32 {
 }
 
 /// Per point its part, numbered by first point, and how many parts; `None` where fewer than two.
-fn components(surface: &Surface) -> Option<(Vec<u32>, usize)> {
+fn components(surface: &WorkingSurface) -> Option<(Vec<u32>, usize)> {
     let mut parent: Vec<u32> = (0..surface.point_count() as u32).collect();
     fn find(parent: &mut [u32], mut point: u32) -> u32 {
         while parent[point as usize] != point {

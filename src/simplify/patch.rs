@@ -11,7 +11,7 @@
 use glam::Vec3;
 
 use super::metric::Pair;
-use super::surface::{Corner, Surface};
+use super::surface::{Corner, WorkingSurface};
 
 /// A surviving triangle of a patch. Corners are relative to the merged point's new position, which is its first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Facet {
 
 impl Facet {
     /// A triangle as it is, seen from a point at `x`.
-    pub(crate) fn around(surface: &Surface, corner: Corner, x: Vec3) -> Self {
+    pub(crate) fn around(surface: &WorkingSurface, corner: Corner, x: Vec3) -> Self {
         let [a, b] = corner.others.map(|p| surface.at(p) - x);
         let normal = a.cross(b);
         let Corner { triangle, others, .. } = corner;
@@ -40,7 +40,7 @@ impl Facet {
 
     /// A triangle whose first corner moves to `x`, from `back` relative to it.
     #[inline]
-    fn moved(surface: &Surface, corner: Corner, x: Vec3, back: Vec3) -> Self {
+    fn moved(surface: &WorkingSurface, corner: Corner, x: Vec3, back: Vec3) -> Self {
         let Corner { triangle, others, .. } = corner;
         let [a, b] = others.map(|p| surface.at(p) - x);
         Self { triangle, others, a, b, before: (a - back).cross(b - back), after: a.cross(b), back }
@@ -77,36 +77,36 @@ pub struct Patch {
     facets: Vec<Facet>,
     /// How many of the facets come from the lost point's star; the others are the kept point's.
     of_lost: usize,
-    thirds: Vec<u32>,
+    opposite: Vec<u32>,
     /// The thirds in order where they are many, else empty.
-    sorted_thirds: Vec<u32>,
+    sorted_opposite: Vec<u32>,
 }
 
 /// Up to so many thirds are searched one by one.
-const FEW_THIRDS: usize = 8;
+const FEW_OPPOSITE: usize = 8;
 
 impl Patch {
     /// Gathers the patch of merging `pair` at `x`. The kept point's triangles are part of it only where it moves.
-    pub(crate) fn gather(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+    pub(crate) fn gather(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         self.facets.clear();
-        self.thirds.clear();
+        self.opposite.clear();
         self.add_star(surface, pair.lost, pair.kept, x, true);
         self.of_lost = self.facets.len();
         if surface.at(pair.kept) != x {
             self.add_star(surface, pair.kept, pair.lost, x, false);
         }
-        self.sorted_thirds.clear();
-        if self.thirds.len() > FEW_THIRDS {
-            self.sorted_thirds.extend_from_slice(&self.thirds);
-            self.sorted_thirds.sort_unstable();
+        self.sorted_opposite.clear();
+        if self.opposite.len() > FEW_OPPOSITE {
+            self.sorted_opposite.extend_from_slice(&self.opposite);
+            self.sorted_opposite.sort_unstable();
         }
     }
 
     /// Gathers at most so many facets of the lost point's star, spread over it, to ask whether any of them is refused.
-    pub(crate) fn sample(&mut self, surface: &Surface, pair: Pair, x: Vec3, most: usize) {
+    pub(crate) fn sample(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3, most: usize) {
         self.facets.clear();
-        self.thirds.clear();
-        self.sorted_thirds.clear();
+        self.opposite.clear();
+        self.sorted_opposite.clear();
         let back = surface.at(pair.lost) - x;
         let stride = surface.valence(pair.lost).div_ceil(most).max(1);
         for corner in surface.star(pair.lost).step_by(stride) {
@@ -118,13 +118,13 @@ impl Patch {
     }
 
     #[inline]
-    fn add_star(&mut self, surface: &Surface, point: u32, other: u32, x: Vec3, thirds: bool) {
+    fn add_star(&mut self, surface: &WorkingSurface, point: u32, other: u32, x: Vec3, opposite: bool) {
         let back = surface.at(point) - x;
         for corner in surface.star(point) {
             let [p, q] = corner.others;
             if p == other || q == other {
-                if thirds {
-                    self.thirds.push(if p == other { q } else { p });
+                if opposite {
+                    self.opposite.push(if p == other { q } else { p });
                 }
                 continue;
             }
@@ -146,30 +146,30 @@ impl Patch {
 
     /// The third corners of the triangles that die: one per triangle on the edge, none where there is no edge.
     #[inline]
-    pub fn thirds(&self) -> &[u32] {
-        &self.thirds
+    pub fn opposite(&self) -> &[u32] {
+        &self.opposite
     }
 
-    /// Whether a point is one of [`Patch::thirds`]. O(log thirds).
+    /// Whether a point is one of [`Patch::opposite`]. O(log opposite vertices).
     #[inline]
     pub(crate) fn has_third(&self, point: u32) -> bool {
-        match self.thirds[..] {
+        match self.opposite[..] {
             [a, b] => (a == point) | (b == point),
-            _ if self.sorted_thirds.is_empty() => self.thirds.contains(&point),
-            _ => self.sorted_thirds.binary_search(&point).is_ok(),
+            _ if self.sorted_opposite.is_empty() => self.opposite.contains(&point),
+            _ => self.sorted_opposite.binary_search(&point).is_ok(),
         }
     }
 
-    /// Whether no point is a third twice. O(thirds).
+    /// Whether no point is a third twice. O(opposite vertices).
     #[inline]
     pub(crate) fn thirds_differ(&self) -> bool {
-        match self.thirds[..] {
+        match self.opposite[..] {
             [] | [_] => true,
             [a, b] => a != b,
-            _ if self.sorted_thirds.is_empty() => {
-                self.thirds.iter().enumerate().all(|(i, third)| !self.thirds[..i].contains(third))
+            _ if self.sorted_opposite.is_empty() => {
+                self.opposite.iter().enumerate().all(|(i, third)| !self.opposite[..i].contains(third))
             }
-            _ => self.sorted_thirds.windows(2).all(|pair| pair[0] != pair[1]),
+            _ => self.sorted_opposite.windows(2).all(|pair| pair[0] != pair[1]),
         }
     }
 }

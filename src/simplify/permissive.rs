@@ -16,7 +16,7 @@
 
 use super::classify::kind;
 use super::metric::Pair;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 
 /// Whether seams, creases, material borders and the topology may give.
@@ -108,7 +108,7 @@ pub(super) mod gives {
     pub const TOPOLOGY: u8 = 8;
 }
 
-impl Surface {
+impl WorkingSurface {
     /// What merging `pair` gives up, the kept point staying where it is or not. O(valences).
     pub(super) fn gives_up(&mut self, pair: Pair, stays: bool) -> u8 {
         let mut leaves = self.leaves_curve(pair.lost, pair.kept);

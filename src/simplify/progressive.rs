@@ -20,7 +20,7 @@ use std::ops::Range;
 
 use crate::mesh::{Mesh, NONE};
 
-use super::lineage::Lineage;
+use super::collapse_forest::CollapseForest;
 use super::{CollapseSequence, Origin, SequenceError};
 
 /// A base mesh with the vertex splits that refine it to the input, and the level it is at.
@@ -80,8 +80,8 @@ impl ProgressiveMesh {
     /// # Errors
     /// The sequence belongs to another mesh or does not hold together.
     pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
-        let lineage = Lineage::new(mesh, sequence)?;
-        let mut slots = Slots::base(mesh, sequence, &lineage);
+        let collapse_forest = CollapseForest::new(mesh, sequence)?;
+        let mut slots = Slots::base(mesh, sequence, &collapse_forest);
         for step in (0..sequence.len()).rev() {
             slots.refine(step);
         }
@@ -90,7 +90,7 @@ impl ProgressiveMesh {
         vertices_after.reverse();
         places_after.reverse();
 
-        let (ends, triangle_order, triangles_after) = order_triangles(mesh, &lineage, sequence.len());
+        let (ends, triangle_order, triangles_after) = order_triangles(mesh, &collapse_forest, sequence.len());
         let mut pm = Self {
             positions,
             triangles: Vec::new(),
@@ -322,7 +322,7 @@ struct Slots<'a> {
 }
 
 impl<'a> Slots<'a> {
-    fn base(mesh: &'a Mesh, sequence: &'a CollapseSequence, lineage: &'a Lineage) -> Self {
+    fn base(mesh: &'a Mesh, sequence: &'a CollapseSequence, collapse_forest: &'a CollapseForest) -> Self {
         let inputs = sequence.input_vertices() as u32;
         let mut birth = vec![NONE; sequence.new_vertices().len()];
         for step in (0..sequence.len()).rev() {
@@ -339,7 +339,7 @@ impl<'a> Slots<'a> {
             unsnapped: sequence.is_empty(),
             birth,
             unused: &[],
-            slot: vec![NONE; lineage.order.len()],
+            slot: vec![NONE; collapse_forest.order.len()],
             holder: Vec::with_capacity(mesh.positions().len()),
             positions: Vec::with_capacity(mesh.positions().len()),
             parted: Vec::new(),
@@ -350,10 +350,13 @@ impl<'a> Slots<'a> {
         if sequence.is_empty() {
             (0..inputs).for_each(|v| base.add(v));
         } else {
-            lineage.order[..lineage.roots as usize].iter().for_each(|&v| base.add(v));
-            let tail =
-                lineage.removed.iter().rposition(|&r| r != NONE).map_or(lineage.roots as usize, |i| i + 1);
-            base.unused = &lineage.order[tail.max(lineage.roots as usize)..];
+            collapse_forest.order[..collapse_forest.roots as usize].iter().for_each(|&v| base.add(v));
+            let tail = collapse_forest
+                .removed
+                .iter()
+                .rposition(|&r| r != NONE)
+                .map_or(collapse_forest.roots as usize, |i| i + 1);
+            base.unused = &collapse_forest.order[tail.max(collapse_forest.roots as usize)..];
         }
         base.mark();
         base
@@ -439,10 +442,14 @@ impl<'a> Slots<'a> {
 
 /// Per triangle the steps after which it is gone, the triangles last vanishing first, and how many are left after each
 /// number of steps. Here a degenerate triangle of the input is there until the first step.
-fn order_triangles(mesh: &Mesh, lineage: &Lineage, steps: usize) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+fn order_triangles(
+    mesh: &Mesh,
+    collapse_forest: &CollapseForest,
+    steps: usize,
+) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let last = if steps == 0 { NONE } else { 1 };
     let ends: Vec<u32> = (mesh.triangles().iter())
-        .map(|&t| match lineage.end(t) {
+        .map(|&t| match collapse_forest.end(t) {
             0 => last,
             end => end,
         })

@@ -7,7 +7,7 @@ use crate::mesh::{Mesh, NONE, Topology};
 use super::metric::{Pair, Substitutions};
 use super::report::SimplifyReport;
 use super::sequence::{CollapseSequence, NewVertex};
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 
 /// The sequence as it grows.
@@ -38,7 +38,7 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    pub fn new(mesh: &Mesh, topology: &Topology, surface: &Surface) -> Self {
+    pub fn new(mesh: &Mesh, topology: &Topology, surface: &WorkingSurface) -> Self {
         let wedge_of = topology.wedge_of();
         let aliases = (0..wedge_of.len() as u32)
             .filter(|&v| wedge_of[v as usize] != v)
@@ -109,7 +109,7 @@ impl Recorder {
 
     /// The substitutions of merging `pair`, asked before the surface changes: `renew` is the new position (object
     /// units) and the share of `kept` in blends, or `None` where `kept` stays as it is. O(wedges).
-    pub fn substitute(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
+    pub fn substitute(&mut self, surface: &WorkingSurface, pair: Pair, renew: Option<([f32; 3], f32)>) {
         self.before = [self.vertex_count(), self.substitutions.len()];
         if self.spans.is_empty() {
             let (a, b) = (surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
@@ -146,7 +146,7 @@ impl Recorder {
         }
     }
 
-    fn substitute_wedges(&mut self, surface: &Surface, pair: Pair, renew: Option<([f32; 3], f32)>) {
+    fn substitute_wedges(&mut self, surface: &WorkingSurface, pair: Pair, renew: Option<([f32; 3], f32)>) {
         let map = WedgeMap::chosen(surface, pair);
         let [lost, kept] = [pair.lost, pair.kept].map(|point| self.wedges_of(point));
         let Some(&anchor) = self.wedges[kept.clone()].first() else { return };
@@ -226,7 +226,7 @@ impl Recorder {
 
     /// The substitutions of a part that vanishes: every vertex of `points` is taken for `into`. Asked before the surface
     /// changes. O(wedges).
-    pub fn vanish(&mut self, surface: &Surface, points: impl Iterator<Item = u32>, into: u32) {
+    pub fn vanish(&mut self, surface: &WorkingSurface, points: impl Iterator<Item = u32>, into: u32) {
         let before = self.substitutions.len();
         for point in points {
             if self.spans.is_empty() {
@@ -242,7 +242,7 @@ impl Recorder {
 
     /// Leaves a point one vertex, and gives it: the others are taken for that one. Part of a step in which the point's part
     /// vanishes.
-    pub fn leave_one(&mut self, surface: &Surface, point: u32) -> u32 {
+    pub fn leave_one(&mut self, surface: &WorkingSurface, point: u32) -> u32 {
         if self.spans.is_empty() {
             return surface.point_vertex(point);
         }

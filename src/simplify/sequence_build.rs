@@ -6,7 +6,7 @@
 
 use crate::mesh::{MAX_ELEMENTS, Mesh, NONE, Topology};
 
-use super::lineage::Lineage;
+use super::collapse_forest::CollapseForest;
 use super::report::{SimplifyReport, StopReason};
 use super::sequence_check::check_new_vertices;
 use super::{CollapseSequence, NewVertex};
@@ -215,8 +215,8 @@ impl CollapseSequence {
 
     /// Works out when triangles vanish, and what is left.
     fn finish(mut self, mesh: &Mesh) -> Result<Self, SequenceError> {
-        let lineage = Lineage::new(mesh, &self)?;
-        self.triangle_end = mesh.triangles().iter().map(|&t| lineage.end(t)).collect();
+        let collapse_forest = CollapseForest::new(mesh, &self)?;
+        self.triangle_end = mesh.triangles().iter().map(|&t| collapse_forest.end(t)).collect();
 
         let steps = self.step_error.len();
         let mut left = vec![0u32; steps + 1];

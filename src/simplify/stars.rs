@@ -6,7 +6,7 @@ use crate::mesh::NONE;
 
 /// The corners around every point.
 #[derive(Debug, Clone)]
-pub(super) struct Stars {
+pub(super) struct PointStars {
     pool: Vec<u32>,
     /// Start, length and room of each star.
     spans: Vec<Span>,
@@ -19,7 +19,7 @@ struct Span {
     room: u32,
 }
 
-impl Stars {
+impl PointStars {
     pub fn new(triangles: &[[u32; 3]], points: usize) -> Self {
         let mut spans = vec![Span::default(); points];
         let live = || triangles.iter().enumerate().filter(|(_, t)| t[0] != NONE);

@@ -15,10 +15,10 @@ use glam::Vec3;
 
 use crate::mesh::{Mesh, NONE, Topology};
 
-use super::classify::{Seen, kind};
+use super::classify::{SeenNeighbour, kind};
 use super::curves::{Curves, Rim};
 use super::sheets::{Layer, Sheets};
-use super::stars::Stars;
+use super::stars::PointStars;
 use super::wedge_values::WedgeValues;
 
 /// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
@@ -86,7 +86,7 @@ pub struct Corner {
 /// The mesh while it is being simplified. Points, triangles and vertices keep the numbers of the input's
 /// [`Topology`]; removed ones are simply gone from every star.
 #[derive(Debug, Clone)]
-pub struct Surface {
+pub struct WorkingSurface {
     frame: Frame,
     pub(super) positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -102,7 +102,7 @@ pub struct Surface {
     pub(super) values: WedgeValues,
     /// Whether a wedge that has nowhere to go may move along with its point, as a new vertex.
     pub(super) moves_wedges: bool,
-    stars: Stars,
+    stars: PointStars,
     curves: Curves,
     sheets: Sheets,
     live: usize,
@@ -117,12 +117,12 @@ pub struct Surface {
 pub(super) struct Scratch {
     pub(super) moved: Vec<u32>,
     pub(super) neighbours: Vec<u32>,
-    pub(super) seen: Vec<Seen>,
+    pub(super) seen: Vec<SeenNeighbour>,
     /// Edges around a point: the other point, and the vertices at both ends.
     pub(super) ends: Vec<[u32; 3]>,
 }
 
-impl Surface {
+impl WorkingSurface {
     /// The surface of a mesh. Triangles with two equal points are dead from the start; of those over the same three points
     /// one leads and the others follow it. O(n).
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
@@ -150,7 +150,7 @@ impl Surface {
         let vertices = |t: u32| mesh.triangles()[t as usize].map(|v| wedge_of[v as usize]);
         let material = |t: u32| mesh.materials().get(t as usize).copied().unwrap_or(0);
         let sheets = Sheets::new(&mut triangles, vertices, material, points);
-        let stars = Stars::new(&triangles, points);
+        let stars = PointStars::new(&triangles, points);
         let mut surface = Self {
             frame,
             positions,
@@ -338,7 +338,7 @@ impl Surface {
         }
     }
 
-    /// The neighbours of a point where they are few: as [`for_neighbours`](Surface::for_neighbours) lists them. Their
+    /// The neighbours of a point where they are few: as [`for_neighbours`](WorkingSurface::for_neighbours) lists them. Their
     /// number is more than fits where they are many.
     #[inline]
     pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {

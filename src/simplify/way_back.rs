@@ -23,7 +23,7 @@ use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
 use super::sectors::{Sectors, least};
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Points with more triangles are not looked around.
 const HUB: usize = 64;
@@ -62,7 +62,7 @@ pub(super) struct WayBack {
 
 impl WayBack {
     /// Of a surface that nothing was merged on yet. O(n).
-    pub fn new(surface: &Surface) -> Self {
+    pub fn new(surface: &WorkingSurface) -> Self {
         let points = surface.point_count();
         let mut result = Self {
             positions: Vec::with_capacity(points),
@@ -84,7 +84,7 @@ impl WayBack {
     /// a triangle.
     pub fn farthest(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         patch: &Patch,
         pair: Pair,
         x: Vec3,

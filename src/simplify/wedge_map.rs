@@ -13,7 +13,7 @@
 
 use super::metric::Pair;
 use super::sheets::Layer;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Most wedges of the lost point with a place to go: beyond it a map [overflows](WedgeMap::overflows).
 const FEW: usize = 16;
@@ -37,7 +37,7 @@ pub(crate) struct WedgeMap {
 
 impl WedgeMap {
     /// The map of a pair as far as the triangles on its edge say.
-    pub fn new(surface: &Surface, pair: Pair) -> Self {
+    pub fn new(surface: &WorkingSurface, pair: Pair) -> Self {
         let mut map = Self { complete: true, ..Self::default() };
         // The edge's triangles are found from the side with fewer: the other may be a hub.
         let turned =
@@ -78,7 +78,7 @@ impl WedgeMap {
     }
 
     /// The map of a pair with a place for every wedge, unless it [overflows](Self::overflows).
-    pub fn chosen(surface: &Surface, pair: Pair) -> Self {
+    pub fn chosen(surface: &WorkingSurface, pair: Pair) -> Self {
         let mut map = Self::new(surface, pair);
         if !map.complete && !map.overflows {
             map.choose(surface, pair);
@@ -152,7 +152,7 @@ impl WedgeMap {
     }
 
     /// Finds a place for the wedges that have none yet.
-    fn choose(&mut self, surface: &Surface, pair: Pair) {
+    fn choose(&mut self, surface: &WorkingSurface, pair: Pair) {
         for from in wedges_of(surface, pair.lost) {
             if self.get(from).is_none() {
                 if let Some(to) = by_chart(surface, pair, from) {
@@ -179,14 +179,14 @@ impl WedgeMap {
 }
 
 /// The wedges at the corners around a point, on every layer of a sheet; some several times.
-fn wedges_of(surface: &Surface, point: u32) -> impl Iterator<Item = u32> + '_ {
+fn wedges_of(surface: &WorkingSurface, point: u32) -> impl Iterator<Item = u32> + '_ {
     surface.star(point).flat_map(|corner| {
         surface.layers(corner.triangle).map(move |layer| layer.vertices[corner.slot as usize])
     })
 }
 
 /// The wedge of the kept point that shares a vertex next to both with a wedge of the lost one.
-fn by_chart(surface: &Surface, pair: Pair, from: u32) -> Option<u32> {
+fn by_chart(surface: &WorkingSurface, pair: Pair, from: u32) -> Option<u32> {
     for corner in surface.star(pair.lost) {
         let slot = corner.slot as usize;
         let Some(Layer { vertices, .. }) = surface.layers(corner.triangle).find(|l| l.vertices[slot] == from)
@@ -219,7 +219,7 @@ fn by_chart(surface: &Surface, pair: Pair, from: u32) -> Option<u32> {
 
 /// The wedge among `kept` that is nearest in value and mirrors no triangle; failing that, or where it is far and may be
 /// had, the wedge itself; failing that the nearest.
-fn by_value(surface: &Surface, pair: Pair, from: u32, kept: &[u32]) -> u32 {
+fn by_value(surface: &WorkingSurface, pair: Pair, from: u32, kept: &[u32]) -> u32 {
     let values = &surface.values;
     let mut best: Option<(bool, f32, u32)> = None;
     for &to in kept {

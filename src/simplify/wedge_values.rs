@@ -9,7 +9,7 @@ use super::candidates::blend_weight;
 use super::classify::kind;
 use super::metric::Pair;
 use super::sheets::Layer;
-use super::surface::{Corner, Surface};
+use super::surface::{Corner, WorkingSurface};
 use super::wedge_map::WedgeMap;
 
 /// Worth of a normal that is off by 1, and of a colour, as shares of the diagonal.
@@ -159,7 +159,7 @@ fn units_per_uv(mesh: &Mesh, uv: &Attribute) -> f32 {
     }
 }
 
-impl Surface {
+impl WorkingSurface {
     /// Appends the values of a new vertex.
     pub(super) fn add_vertex(&mut self, from: [u32; 2], weight: f32) {
         self.values.push_blend(from, weight);

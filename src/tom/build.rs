@@ -2,7 +2,7 @@
 
 use crate::mesh::{Mesh, NONE};
 use crate::simplify::CollapseSequence;
-use crate::simplify::lineage::Lineage;
+use crate::simplify::collapse_forest::CollapseForest;
 
 use super::{ErrorMark, TomError, TotallyOrderedMesh};
 
@@ -40,9 +40,9 @@ impl TotallyOrderedMesh {
         if !sequence.new_vertices().is_empty() {
             return Err(TomError::NewVertices { count: sequence.new_vertices().len() });
         }
-        let lineage = Lineage::new(mesh, sequence)?;
-        let base_vertices = lineage.roots;
-        let removed = &lineage.removed[..lineage.real as usize];
+        let collapse_forest = CollapseForest::new(mesh, sequence)?;
+        let base_vertices = collapse_forest.roots;
+        let removed = &collapse_forest.removed[..collapse_forest.real as usize];
         let mut joined = vec![0u64; removed.len().div_ceil(64)];
         for v in base_vertices as usize + 1..removed.len() {
             joined[v / 64] |= u64::from(removed[v] == removed[v - 1]) << (v % 64);
@@ -51,10 +51,12 @@ impl TotallyOrderedMesh {
             joined = Vec::new();
         }
 
-        let ends: Vec<u32> = mesh.triangles().iter().map(|&t| lineage.end(t)).collect();
+        let ends: Vec<u32> = mesh.triangles().iter().map(|&t| collapse_forest.end(t)).collect();
         let (triangle_order, left) = sort_by_end(&ends, sequence.len());
-        let triangles =
-            triangle_order.iter().map(|&t| mesh.triangles()[t as usize].map(|v| lineage.folded(v))).collect();
+        let triangles = triangle_order
+            .iter()
+            .map(|&t| mesh.triangles()[t as usize].map(|v| collapse_forest.folded(v)))
+            .collect();
 
         let (mut material_of, mut material_ids) = (Vec::new(), Vec::new());
         if !mesh.materials().is_empty() {
@@ -70,7 +72,7 @@ impl TotallyOrderedMesh {
         }
 
         let mut tom = Self {
-            substitute: (0..lineage.real).map(|v| lineage.parent(v)).collect(),
+            substitute: (0..collapse_forest.real).map(|v| collapse_forest.parent(v)).collect(),
             joined,
             base_vertices,
             triangles,
@@ -78,10 +80,10 @@ impl TotallyOrderedMesh {
             material_of,
             material_ids,
         };
-        tom.error_marks = error_marks(&lineage, sequence);
+        tom.error_marks = error_marks(&collapse_forest, sequence);
         debug_assert_eq!(tom.validate(), Ok(()));
         debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
-        Ok(TomBuild { tom, vertex_order: lineage.order, triangle_order })
+        Ok(TomBuild { tom, vertex_order: collapse_forest.order, triangle_order })
     }
 }
 
@@ -107,8 +109,8 @@ fn sort_by_end(ends: &[u32], steps: usize) -> (Vec<u32>, u32) {
 }
 
 /// Error bounds at group boundaries, base first. A mark's bound holds for all finer resolutions since bounds fall.
-fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark> {
-    let (base, real) = (lineage.roots as usize, lineage.real as usize);
+fn error_marks(collapse_forest: &CollapseForest, sequence: &CollapseSequence) -> Vec<ErrorMark> {
+    let (base, real) = (collapse_forest.roots as usize, collapse_forest.real as usize);
     let span = real - base;
     let stride = MARK_STRIDE.min(span.div_ceil(FEW_MARKS)).max(span.div_ceil(MOST_MARKS - 1)).max(1);
     // Half of them evenly, half where coarse levels follow each other fast: every share of the vertices there.
@@ -119,8 +121,8 @@ fn error_marks(lineage: &Lineage, sequence: &CollapseSequence) -> Vec<ErrorMark>
     let mut next = base;
     // The boundary below vertex v is the level just after the step that removes v.
     for v in base..real {
-        let removed = lineage.removed[v];
-        let first = v == base || removed != lineage.removed[v - 1];
+        let removed = collapse_forest.removed[v];
+        let first = v == base || removed != collapse_forest.removed[v - 1];
         if first && v >= next {
             marks.push(ErrorMark { vertices: v as u32, error: sequence.error_after(removed as usize) });
             next = v + v.checked_div(share).map_or(stride, |dense| dense.clamp(1, even));

@@ -1,7 +1,7 @@
 //! Every promise of a totally ordered mesh, checked; and the plain parts it is made of, in and out.
 
 use crate::mesh::MAX_ELEMENTS;
-use crate::simplify::lineage::{Forest, is_degenerate};
+use crate::simplify::collapse_forest::{Forest, is_degenerate};
 
 use super::{ErrorMark, TomError, TotallyOrderedMesh};
 

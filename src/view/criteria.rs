@@ -82,7 +82,7 @@ pub enum Motion {
 /// for is then what it and all that it builds on are asked for, as far as the cut came to ask.
 pub trait Criterion<B = Bounds> {
     /// Whether a refinement with these bounds is needed.
-    fn needs(&self, bounds: &B) -> Answer;
+    fn test(&self, bounds: &B) -> Answer;
 
     /// What has happened since `before`. [`Motion::Other`] is always right, and the slowest.
     fn motion(&self, before: &Self) -> Motion;
@@ -92,12 +92,12 @@ pub trait Criterion<B = Bounds> {
     /// be monotone in the bounds. Unless implemented, all that is needed is of endless urgency, and a larger error comes
     /// first.
     fn urgency(&self, bounds: &B) -> f64 {
-        if self.needs(bounds).refine { f64::INFINITY } else { 0.0 }
+        if self.test(bounds).refine { f64::INFINITY } else { 0.0 }
     }
 
     /// Whether the refinement would be needed with tolerances multiplied by `factor` (above 0): where it is, its
     /// [urgency](Self::urgency) is above the factor. Unless implemented, the answer holds once.
-    fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
+    fn test_at(&self, bounds: &B, factor: f64) -> Answer {
         Answer::once(self.urgency(bounds) > factor)
     }
 
@@ -111,13 +111,13 @@ pub trait Criterion<B = Bounds> {
 /// Several views at once (split screen, shadow cascades): needed where any needs it.
 impl<B, C: Criterion<B>> Criterion<B> for [C] {
     #[inline]
-    fn needs(&self, bounds: &B) -> Answer {
+    fn test(&self, bounds: &B) -> Answer {
         if let [one] = self {
-            return one.needs(bounds);
+            return one.test(bounds);
         }
         let mut answer = Answer::NEVER;
         for view in self {
-            answer = answer.or(view.needs(bounds));
+            answer = answer.or(view.test(bounds));
             if answer == Answer::ALWAYS {
                 break;
             }
@@ -129,10 +129,10 @@ impl<B, C: Criterion<B>> Criterion<B> for [C] {
         self.iter().map(|view| view.urgency(bounds)).fold(0.0, f64::max)
     }
 
-    fn needs_at(&self, bounds: &B, factor: f64) -> Answer {
+    fn test_at(&self, bounds: &B, factor: f64) -> Answer {
         let mut answer = Answer::NEVER;
         for view in self {
-            answer = answer.or(view.needs_at(bounds, factor));
+            answer = answer.or(view.test_at(bounds, factor));
             if answer == Answer::ALWAYS {
                 break;
             }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::camera::ErrorKind;
 use super::error_shape::{ErrorShape, Shape};
 use super::region;
-use super::seen::{Extent, Place, Seen};
+use super::seen::{Extent, Place, SeenBounds};
 
 /// Bounds of one refinement and of all that need it, by the vectors by which points of the surface are displaced where it is left
 /// out: 32 bytes.
@@ -104,7 +104,7 @@ impl DeviationBounds {
     }
 }
 
-impl Seen for DeviationBounds {
+impl SeenBounds for DeviationBounds {
     #[inline]
     fn centre(&self) -> DVec3 {
         DVec3::from_array(self.centre.map(f64::from))

@@ -8,7 +8,7 @@ use super::criteria::{Answer, Criterion, Motion};
 use super::deviation::DeviationBounds;
 use super::matrix::{columns, scales};
 use super::region::angle_between;
-use super::seen::{Extent, Facing, Place, Seen};
+use super::seen::{Extent, Facing, Place, SeenBounds};
 
 /// Distance at which a budget takes those that the eye is in, or that are in focus, to be: before all others, by their error.
 /// Object units; any length far below all that is measured does.
@@ -130,7 +130,7 @@ impl ObjectView {
     }
 
     #[inline]
-    fn place(&self, bounds: &impl Seen) -> Place {
+    fn place(&self, bounds: &impl SeenBounds) -> Place {
         match self.eye {
             Eye::At { eye, .. } => {
                 let to = bounds.centre() - eye;
@@ -146,7 +146,7 @@ impl ObjectView {
 
     /// Whether the sphere reaches into the frustum.
     #[inline]
-    fn in_frustum(&self, bounds: &impl Seen, place: &Place) -> Answer {
+    fn in_frustum(&self, bounds: &impl SeenBounds, place: &Place) -> Answer {
         if !self.frustum {
             return Answer::ALWAYS;
         }
@@ -169,7 +169,7 @@ impl ObjectView {
 
     /// Where a cone of normals stands to the directions in which its sphere is seen; `None` where it holds all directions.
     #[inline]
-    fn facing(&self, bounds: &impl Seen, place: &Place) -> Option<Facing> {
+    fn facing(&self, bounds: &impl SeenBounds, place: &Place) -> Option<Facing> {
         let (axis, [sine, cosine]) = bounds.facing()?;
         if place.gap <= 0.0 {
             return Some(Facing { wide: [1.0, -1.0], away: [0.0, 1.0], gap: place.gap });
@@ -197,7 +197,7 @@ impl ObjectView {
         }
     }
 
-    fn in_focus(&self, bounds: &impl Seen) -> Answer {
+    fn in_focus(&self, bounds: &impl SeenBounds) -> Answer {
         let Some((centre, radius)) = self.focus else { return Answer::NEVER };
         let gap = centre.distance(bounds.centre()) - bounds.reach() - radius;
         Answer { refine: gap < 0.0, moved: gap.abs(), turned: f64::INFINITY }
@@ -207,7 +207,7 @@ impl ObjectView {
 impl ObjectView {
     /// Whether a refinement is needed with tolerances multiplied by a factor.
     #[inline]
-    fn answer(&self, bounds: &impl Seen, factor: f64) -> Answer {
+    fn answer(&self, bounds: &impl SeenBounds, factor: f64) -> Answer {
         let place = self.place(bounds);
         let error = bounds.extent(self.error, &place);
         let mut answer = self.too_large(&error, self.reach / factor, &place);
@@ -237,7 +237,7 @@ impl ObjectView {
         answer.and(self.in_frustum(bounds, &place))
     }
 
-    fn urgency_of(&self, bounds: &impl Seen) -> f64 {
+    fn urgency_of(&self, bounds: &impl SeenBounds) -> f64 {
         let place = self.place(bounds);
         let facing = self.facing(bounds, &place);
         let front = facing.as_ref().is_none_or(|facing| facing.front().refine);
@@ -259,7 +259,7 @@ impl ObjectView {
         }
     }
 
-    fn may_see(&self, bounds: &impl Seen) -> bool {
+    fn may_see(&self, bounds: &impl SeenBounds) -> bool {
         let place = self.place(bounds);
         let front = || self.facing(bounds, &place).is_none_or(|facing| facing.front().refine);
         self.in_frustum(bounds, &place).refine && (!self.back_faces || front())
@@ -306,11 +306,11 @@ impl ObjectView {
 }
 
 impl Criterion for ObjectView {
-    fn needs(&self, bounds: &Bounds) -> Answer {
+    fn test(&self, bounds: &Bounds) -> Answer {
         self.answer(bounds, 1.0)
     }
 
-    fn needs_at(&self, bounds: &Bounds, factor: f64) -> Answer {
+    fn test_at(&self, bounds: &Bounds, factor: f64) -> Answer {
         self.answer(bounds, factor)
     }
 
@@ -330,11 +330,11 @@ impl Criterion for ObjectView {
 /// By how large the errors may look; which [`ErrorKind`] a view goes by does not matter, since shapes bound displacements in all
 /// directions.
 impl Criterion<DeviationBounds> for ObjectView {
-    fn needs(&self, bounds: &DeviationBounds) -> Answer {
+    fn test(&self, bounds: &DeviationBounds) -> Answer {
         self.answer(bounds, 1.0)
     }
 
-    fn needs_at(&self, bounds: &DeviationBounds, factor: f64) -> Answer {
+    fn test_at(&self, bounds: &DeviationBounds, factor: f64) -> Answer {
         self.answer(bounds, factor)
     }
 

@@ -10,7 +10,7 @@ use super::criteria::Answer;
 use super::region;
 
 /// What tests read of bounds.
-pub(super) trait Seen {
+pub(super) trait SeenBounds {
     /// Centre of the sphere.
     fn centre(&self) -> DVec3;
 
@@ -24,7 +24,7 @@ pub(super) trait Seen {
     fn extent(&self, kind: ErrorKind, place: &Place) -> Extent;
 }
 
-impl Seen for Bounds {
+impl SeenBounds for Bounds {
     #[inline]
     fn centre(&self) -> DVec3 {
         DVec3::from_array(self.centre.map(f64::from))

@@ -26,7 +26,7 @@ use crate::mesh::NONE;
 use crate::view::{DeviationBounds, ErrorShape, angle_between};
 
 use super::ErrorBound;
-use super::left_out::Search;
+use super::error_search::Search;
 use super::mesh::WaveletMesh;
 use super::subdivision::Subdivision;
 use super::surface::finest_triangles;
@@ -189,7 +189,7 @@ impl<'a> Grounds<'a> {
                 }
             });
         });
-        for (child, _) in of.spokes(wavelet) {
+        for (child, _) in of.incident_edges(wavelet) {
             let packed = finer(child);
             let bounds = packed.unpack([0.0; 3], shape);
             let to = self.position(of.vertex_of(child)).distance(middle);
@@ -213,11 +213,11 @@ impl<'a> Grounds<'a> {
         if search.axis.is_none() {
             bounds.across = bounds.along;
         }
-        if of.torn.binary_search(&wavelet).is_ok() {
+        if of.interior_seams.binary_search(&wavelet).is_ok() {
             // Without it attributes are smeared across a seam, which has no measure.
             (bounds.along, bounds.across) = (f32::MAX, f32::MAX);
         }
-        for (child, _) in of.spokes(wavelet) {
+        for (child, _) in of.incident_edges(wavelet) {
             bounds.hold_errors_of(&finer(child).unpack(centre, shape));
         }
         let DeviationBounds { radius, cone, along, across, .. } = bounds;

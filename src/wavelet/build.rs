@@ -113,12 +113,12 @@ impl SubdivisionBuilder {
     }
 
     /// Edges on seams that a split face is at.
-    fn torn(&self, split: &[bool]) -> Vec<bool> {
-        let mut torn = vec![false; self.edge_count];
+    fn interior_seams(&self, split: &[bool]) -> Vec<bool> {
+        let mut interior_seams = vec![false; self.edge_count];
         for (edges, _) in self.edges.iter().zip(split).filter(|(_, split)| **split) {
-            edges.iter().for_each(|&edge| torn[edge as usize] = self.seam[edge as usize]);
+            edges.iter().for_each(|&edge| interior_seams[edge as usize] = self.seam[edge as usize]);
         }
-        torn
+        interior_seams
     }
 
     /// The first face of the last level that would be split only because one across a seam is. O(faces of the level).
@@ -126,9 +126,10 @@ impl SubdivisionBuilder {
         if !self.seam.contains(&true) {
             return None;
         }
-        let torn = self.torn(split);
-        let is_torn =
-            |(edges, split): (&[u32; 3], &bool)| !*split && edges.iter().any(|&edge| torn[edge as usize]);
+        let interior_seams = self.interior_seams(split);
+        let is_torn = |(edges, split): (&[u32; 3], &bool)| {
+            !*split && edges.iter().any(|&edge| interior_seams[edge as usize])
+        };
         let at = self.edges.iter().zip(split).position(is_torn)?;
         Some(self.last_level().start + at as u32)
     }
@@ -139,10 +140,10 @@ impl SubdivisionBuilder {
             return;
         }
         loop {
-            let torn = self.torn(split);
+            let interior_seams = self.interior_seams(split);
             let mut more = false;
             for (edges, split) in self.edges.iter().zip(split.iter_mut()) {
-                if !*split && edges.iter().any(|&edge| torn[edge as usize]) {
+                if !*split && edges.iter().any(|&edge| interior_seams[edge as usize]) {
                     (*split, more) = (true, true);
                 }
             }
@@ -327,7 +328,7 @@ impl Subdivision {
         for wavelet in 0..self.along.len() as u32 {
             known.clear();
             let sides: Vec<Side> = self.faces_along(wavelet).filter(|&side| looked_at(self, side)).collect();
-            let mut torn = false;
+            let mut interior_seams = false;
             for along in sides {
                 let (face, side) = (along.face(), along.side());
                 let vertices = Part::ALL.map(|part| {
@@ -336,8 +337,8 @@ impl Subdivision {
                         let own = if known.is_empty() {
                             self.vertex_of(wavelet)
                         } else {
-                            self.doubles.push((wavelet, along));
-                            first + self.doubles.len() as u32 - 1
+                            self.seam_vertices.push((wavelet, along));
+                            first + self.seam_vertices.len() as u32 - 1
                         };
                         known.push((key, own));
                         known.len() - 1
@@ -347,7 +348,7 @@ impl Subdivision {
                 if !self.is_split(face) {
                     continue;
                 }
-                torn |= vertices.iter().any(|&vertex| vertex != vertices[0]);
+                interior_seams |= vertices.iter().any(|&vertex| vertex != vertices[0]);
                 for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
                     if vertex != self.vertex_of(wavelet) {
                         let (child, corner) = part.corner(side);
@@ -356,8 +357,8 @@ impl Subdivision {
                     }
                 }
             }
-            if torn {
-                self.torn.push(wavelet);
+            if interior_seams {
+                self.interior_seams.push(wavelet);
             }
         }
         self.seams.sort_unstable();

@@ -164,7 +164,7 @@ impl WaveletBuilder {
         let Self { builder, base, mut positions } = self;
         // Sides of a seam have vertices of their own: told apart by the vertices at their ends.
         let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
-        for double in &subdivision.doubles {
+        for double in &subdivision.seam_vertices {
             positions.push(positions[subdivision.vertex_of(double.0) as usize]);
         }
         let ends = (subdivision.base_vertices..subdivision.vertex_count() as u32)

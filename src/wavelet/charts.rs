@@ -83,7 +83,7 @@ impl WaveletMesh {
         // Seams of other attributes stay where they run inside base faces.
         let (subdivision, order) = of.apart(|vertex| {
             let Some(wavelet) = of.wavelet_of(vertex) else { return vertex };
-            let mut all = std::iter::once(of.vertex_of(wavelet)).chain(of.doubles_of(wavelet));
+            let mut all = std::iter::once(of.vertex_of(wavelet)).chain(of.seam_vertices_of(wavelet));
             all.find(|&other| alike(other, vertex)).unwrap_or(vertex)
         });
         let mut uv = vec![[0.0_f32; 2]; subdivision.vertex_count()];
@@ -94,7 +94,7 @@ impl WaveletMesh {
         // Level by level, so that ends come first.
         for wavelet in 0..subdivision.wavelet_count() as u32 {
             let own = subdivision.vertex_of(wavelet);
-            for vertex in std::iter::once(own).chain(subdivision.doubles_of(wavelet)) {
+            for vertex in std::iter::once(own).chain(subdivision.seam_vertices_of(wavelet)) {
                 let Some(ends) = subdivision.ends(vertex) else { continue };
                 let [a, b] = ends.map(|end| uv[end as usize]);
                 uv[vertex as usize] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
@@ -122,7 +122,9 @@ impl WaveletMesh {
         let mut mesh = Self { subdivision, vertices, ..self.clone() };
         mesh.measure();
         // They stay, unless vertices that no face used were out of the way, or coordinates were torn inside base faces.
-        if mesh.diagonal.to_bits() != self.diagonal.to_bits() || mesh.subdivision.torn != of.torn {
+        if mesh.diagonal.to_bits() != self.diagonal.to_bits()
+            || mesh.subdivision.interior_seams != of.interior_seams
+        {
             mesh.bounds = all_bounds(&mesh);
         }
         Ok(mesh)

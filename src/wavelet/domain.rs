@@ -100,7 +100,7 @@ impl Subdivision {
     /// Whether a vertex is what a wavelet's midpoint is on a side of a face, for a part of it at least.
     fn is_at(&self, vertex: u32, wavelet: u32, along: Side) -> bool {
         let (face, side) = (along.face(), along.side());
-        if self.doubles.is_empty() || !self.is_split(face) {
+        if self.seam_vertices.is_empty() || !self.is_split(face) {
             return self.vertices_at(wavelet, face, side)[0] == vertex;
         }
         Part::ALL.into_iter().any(|part| {
@@ -120,8 +120,8 @@ impl Subdivision {
 
     /// How far along a side, 0 to 1, the midpoint of an edge that is on it is.
     pub(super) fn along_side(&self, wavelet: u32, side: Side) -> f64 {
-        let wholes = self.wholes(wavelet, side.face());
-        let t = wholes.fold(0.5, |t, (_, half)| 0.5 * (t + half as f64));
+        let parent_edges = self.parent_edges(wavelet, side.face());
+        let t = parent_edges.fold(0.5, |t, (_, half)| 0.5 * (t + half as f64));
         if side.against() { 1.0 - t } else { t }
     }
 }

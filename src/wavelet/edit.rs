@@ -144,7 +144,7 @@ impl WaveletMesh {
         for (order, &(vertex, to)) in moves.iter().enumerate() {
             match of.wavelet_of(vertex) {
                 Some(wavelet) => {
-                    let vertices = std::iter::once(of.vertex_of(wavelet)).chain(of.doubles_of(wavelet));
+                    let vertices = std::iter::once(of.vertex_of(wavelet)).chain(of.seam_vertices_of(wavelet));
                     all.extend(vertices.map(|vertex| (vertex, order, to)));
                 }
                 None => {
@@ -184,8 +184,8 @@ impl WaveletMesh {
             let most = DVec3::splat(f64::from(f32::MAX));
             let place = (middle + turned.unwrap_or(detail.coefficient)).clamp(-most, most);
             let place = place.as_vec3().to_array();
-            let doubles = of.doubles_of(detail.wavelet);
-            std::iter::once(own).chain(doubles).for_each(|vertex| self.put(vertex, place, &mut before));
+            let seam_vertices = of.seam_vertices_of(detail.wavelet);
+            std::iter::once(own).chain(seam_vertices).for_each(|vertex| self.put(vertex, place, &mut before));
         }
         before.sort_unstable_by_key(|moved| moved.0);
         let diagonal = self.diagonal;

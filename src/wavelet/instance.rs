@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Change, Cut, DirtyRanges, Picture};
+use crate::adapt::{Change, Cut, DirtyRanges, RefinementSink};
 use crate::lod::{
     Draws, Driver, Everything, Lod, LodError, LodOptions, Triangulation, Uploads, Values, Vertex,
     VertexBuffer,
@@ -10,8 +10,8 @@ use crate::lod::{
 use crate::mesh::{Mesh, NONE};
 use crate::view::{Criterion, DeviationBounds, Motion, ObjectView};
 
-use super::surface::Surface;
-use super::tally::Tally;
+use super::surface::WaveletSurface;
+use super::use_counts::UseCounts;
 use super::vertices::Vertices;
 use super::{DetailFrame, Edited, Normals, WaveletError, WaveletMesh};
 
@@ -29,13 +29,13 @@ pub struct WaveletLod<V> {
     driver: Driver,
     shown: Shown<V>,
     /// What the cut has, where triangles are limited.
-    asked: Option<Box<Tally>>,
+    asked: Option<Box<UseCounts>>,
 }
 
 /// What is drawn.
 #[derive(Debug, Clone)]
 struct Shown<V> {
-    surface: Surface,
+    surface: WaveletSurface,
     vertices: Vertices<V>,
 }
 
@@ -44,7 +44,7 @@ impl<V: Vertex> Shown<V> {
         let of = mesh.subdivision();
         let packed = options.buffer == VertexBuffer::Packed;
         let mut shown = Self {
-            surface: Surface::new(of, options.triangulation, mesh.groups()),
+            surface: WaveletSurface::new(of, options.triangulation, mesh.groups()),
             vertices: Vertices::new(of, values, packed, options.geomorph.is_some()),
         };
         shown.write(mesh);
@@ -64,19 +64,19 @@ impl<V: Vertex> Shown<V> {
 }
 
 /// What is drawn, of which mesh.
-struct Drawn<'a, V> {
+struct Sink<'a, V> {
     mesh: &'a WaveletMesh,
     shown: &'a mut Shown<V>,
 }
 
-impl<V: Vertex> Picture for Drawn<'_, V> {
+impl<V: Vertex> RefinementSink for Sink<'_, V> {
     fn triangles(&self) -> usize {
         self.shown.surface.triangle_count()
     }
 
     fn cost(&self, wavelet: u32) -> usize {
         let comes = !self.shown.vertices.is_set(wavelet);
-        self.shown.surface.tally().cost(self.mesh.subdivision(), wavelet, comes)
+        self.shown.surface.uses().cost(self.mesh.subdivision(), wavelet, comes)
     }
 
     fn advance(&mut self, progress: f32) {
@@ -142,15 +142,15 @@ impl<V: Vertex> WaveletLod<V> {
     fn apply(&mut self, options: &LodOptions) {
         let Self { mesh, driver, shown, asked, .. } = self;
         let of = mesh.subdivision();
-        driver.set_options(&**mesh, options, &mut Drawn { mesh, shown }, |cut| {
+        driver.set_options(&**mesh, options, &mut Sink { mesh, shown }, |cut| {
             let mut triangles = 0;
             *asked = options.triangles.map(|_| {
-                let mut tally = Tally::new(of, options.triangulation);
+                let mut uses = UseCounts::new(of, options.triangulation);
                 triangles = of.base_face_count();
                 for wavelet in (0..of.wavelet_count() as u32).filter(|&wavelet| cut.holds(wavelet)) {
-                    triangles += tally.change(of, wavelet, true, &mut ());
+                    triangles += uses.change(of, wavelet, true, &mut ());
                 }
-                Box::new(tally)
+                Box::new(uses)
             });
             triangles
         });
@@ -299,27 +299,22 @@ impl<V: Vertex> WaveletLod<V> {
         seconds: f32,
     ) -> Change {
         let diagonal = self.mesh.diagonal();
-        self.drive(|driver, mesh, picture, cost| {
-            driver.adapt_by(mesh, (criterion, motion, seconds, diagonal), picture, cost)
+        self.drive(|driver, mesh, sink, cost| {
+            driver.adapt_by(mesh, (criterion, motion, seconds, diagonal), sink, cost)
         })
     }
 
     /// Lets the driver move what is drawn.
     fn drive(
         &mut self,
-        go: impl FnOnce(
-            &mut Driver,
-            &WaveletMesh,
-            &mut Drawn<'_, V>,
-            &mut dyn FnMut(u32, bool) -> usize,
-        ) -> Change,
+        go: impl FnOnce(&mut Driver, &WaveletMesh, &mut Sink<'_, V>, &mut dyn FnMut(u32, bool) -> usize) -> Change,
     ) -> Change {
         let Self { mesh, driver, shown, asked } = self;
         let mut cost = |wavelet: u32, comes: bool| {
-            let tally = asked.as_mut();
-            tally.map_or(0, |tally| tally.change(mesh.subdivision(), wavelet, comes, &mut ()))
+            let uses = asked.as_mut();
+            uses.map_or(0, |uses| uses.change(mesh.subdivision(), wavelet, comes, &mut ()))
         };
-        let mut change = go(driver, mesh, &mut Drawn { mesh, shown }, &mut cost);
+        let mut change = go(driver, mesh, &mut Sink { mesh, shown }, &mut cost);
         shown.write(mesh);
         change.triangles = shown.surface.triangle_count();
         change
@@ -329,9 +324,7 @@ impl<V: Vertex> WaveletLod<V> {
 impl<V: Vertex> Lod for WaveletLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
         let diagonal = self.mesh.diagonal();
-        self.drive(|driver, mesh, picture, cost| {
-            driver.adapt(mesh, (views, seconds, diagonal), picture, cost)
-        })
+        self.drive(|driver, mesh, sink, cost| driver.adapt(mesh, (views, seconds, diagonal), sink, cost))
     }
 
     fn refine_fully(&mut self) -> Change {
@@ -340,7 +333,7 @@ impl<V: Vertex> Lod for WaveletLod<V> {
 
     fn settle(&mut self) {
         let Self { mesh, driver, shown, .. } = self;
-        driver.settle(&**mesh, &mut Drawn { mesh, shown });
+        driver.settle(&**mesh, &mut Sink { mesh, shown });
         self.shown.write(&self.mesh);
     }
 

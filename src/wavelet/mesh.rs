@@ -11,7 +11,7 @@ use super::bounds::{WaveletBounds, bounds};
 use super::build::{Part, SubdivisionBuilder};
 use super::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
-use super::surface::Surface;
+use super::surface::WaveletSurface;
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Share of a build's time that finding the connectivity takes.
@@ -324,7 +324,7 @@ impl WaveletMesh {
     ) -> Mesh {
         let of = &self.subdivision;
         let set = self.closure(asked);
-        let mut surface = Surface::new(of, triangulation, self.groups());
+        let mut surface = WaveletSurface::new(of, triangulation, self.groups());
         let wavelets = (0..of.wavelet_count() as u32).filter(|&wavelet| set[wavelet as usize]);
         wavelets.for_each(|wavelet| surface.change(of, wavelet, true));
         surface.write(of, |vertex| vertex, |base_face| self.group(base_face));
@@ -418,11 +418,11 @@ impl Refinements for WaveletMesh {
 
     #[inline]
     fn children(&self, wavelet: u32) -> impl Iterator<Item = u32> {
-        self.subdivision.spokes(wavelet).map(|spoke| spoke.0)
+        self.subdivision.incident_edges(wavelet).map(|incident| incident.0)
     }
 
     #[inline]
-    fn needs(&self, _: u32) -> impl Iterator<Item = u32> {
+    fn dependencies(&self, _: u32) -> impl Iterator<Item = u32> {
         std::iter::empty()
     }
 }

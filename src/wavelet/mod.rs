@@ -15,11 +15,11 @@
 //! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
 //! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
-//! | `bounds.rs`, `left_out.rs` | what leaving a wavelet out can change |
+//! | `bounds.rs`, `error_search.rs` | what leaving a wavelet out can change |
 //! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
 //! | `truncate.rs` | the wavelets that change most, as many as fit |
 //! | `edit.rs` | moving vertices of a level, with all that is finer |
-//! | `tally.rs` | which faces are split and which vertices are in use |
+//! | `use_counts.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
 //! | `instance.rs` | [`WaveletLod`]: one drawn instance |
@@ -36,9 +36,9 @@ mod charts;
 mod domain;
 mod edit;
 mod error;
+mod error_search;
 mod heights;
 mod instance;
-mod left_out;
 mod mesh;
 mod options;
 mod parts;
@@ -47,9 +47,9 @@ mod recognise;
 mod sampler;
 mod subdivision;
 mod surface;
-mod tally;
 mod transform;
 mod truncate;
+mod use_counts;
 mod validate;
 mod vertices;
 

@@ -102,8 +102,9 @@ pub(super) fn seams(of: &Subdivision) -> Vec<[u32; 2]> {
 /// [`WaveletParts::beside`] of a subdivision.
 pub(super) fn beside(of: &Subdivision) -> Vec<[u32; 3]> {
     let first = of.base_vertices + of.wavelet_count() as u32;
-    let doubles = of.doubles.iter().zip(first..).filter(|((_, along), _)| !of.is_split(along.face()));
-    doubles
+    let seam_vertices =
+        of.seam_vertices.iter().zip(first..).filter(|((_, along), _)| !of.is_split(along.face()));
+    seam_vertices
         .map(|(&(wavelet, along), vertex)| [wavelet, along.face() << 2 | along.side() as u32, vertex])
         .collect()
 }

@@ -83,10 +83,10 @@ pub struct Subdivision {
     /// wavelets' own; ascending.
     pub(super) seams: Vec<(u32, u32)>,
     /// Wavelets at whose midpoints children of one face have several vertices: a seam runs inside it. Ascending.
-    pub(super) torn: Vec<u32>,
+    pub(super) interior_seams: Vec<u32>,
     /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending. Where that
     /// is the side of a face that is not split, the vertex is at no other.
-    pub(super) doubles: Vec<(u32, Side)>,
+    pub(super) seam_vertices: Vec<(u32, Side)>,
 }
 
 impl Subdivision {
@@ -107,7 +107,7 @@ impl Subdivision {
 
     /// All vertices: those of the base, one for each wavelet, and the further ones of wavelets on seams.
     pub fn vertex_count(&self) -> usize {
-        self.base_vertex_count() + self.along.len() + self.doubles.len()
+        self.base_vertex_count() + self.along.len() + self.seam_vertices.len()
     }
 
     /// Faces of all levels.
@@ -250,7 +250,7 @@ impl Subdivision {
     #[inline]
     pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
         let own = self.base_vertices + wavelet;
-        if self.doubles.is_empty() {
+        if self.seam_vertices.is_empty() {
             return [own; 2];
         }
         if self.is_split(face) {
@@ -258,10 +258,10 @@ impl Subdivision {
                 .map(|(child, k)| self.corner(self.child(face, child), k));
         }
         let is_at = |&double: &u32| {
-            let at = self.doubles[double as usize - self.base_vertices as usize - self.along.len()].1;
+            let at = self.seam_vertices[double as usize - self.base_vertices as usize - self.along.len()].1;
             at.face() == face && at.side() == side
         };
-        [self.doubles_of(wavelet).find(is_at).unwrap_or(own); 2]
+        [self.seam_vertices_of(wavelet).find(is_at).unwrap_or(own); 2]
     }
 
     /// The wavelet on a side of a split face.
@@ -291,7 +291,7 @@ impl Subdivision {
 
     /// Lets all sides' midpoints be their wavelets' own vertices.
     pub(super) fn forget_seams(&mut self) {
-        (self.seams, self.torn, self.doubles) = (Vec::new(), Vec::new(), Vec::new());
+        (self.seams, self.interior_seams, self.seam_vertices) = (Vec::new(), Vec::new(), Vec::new());
         self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
 
@@ -386,7 +386,7 @@ impl Subdivision {
     /// The wavelets on the edges of the next level that meet in a wavelet's vertex, and whether each starts there: its
     /// children. Six inside a surface.
     #[inline]
-    pub(super) fn spokes(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
+    pub(super) fn incident_edges(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
         let [first, second] = self.halves(wavelet);
         let halves = [(first, false), (second, true)];
         let inner = self.faces_along(wavelet).filter(|along| self.is_split(along.face())).flat_map(|along| {
@@ -394,7 +394,7 @@ impl Subdivision {
             // Edges inside run in the direction of the centre's sides.
             [(self.inner(face, side), true), (self.inner(face, (side + 2) % 3), false)]
         });
-        halves.into_iter().chain(inner).filter(|spoke| spoke.0 != NONE)
+        halves.into_iter().chain(inner).filter(|incident| incident.0 != NONE)
     }
 
     /// The wavelets that a wavelet is a child of: up to two.
@@ -421,7 +421,7 @@ impl Subdivision {
         match self.along.get(at) {
             Some(along) => Some(self.side_ends(along[0])),
             None => {
-                let &(wavelet, along) = self.doubles.get(at - self.along.len())?;
+                let &(wavelet, along) = self.seam_vertices.get(at - self.along.len())?;
                 Some(self.ends_beside(wavelet, along))
             }
         }
@@ -430,7 +430,7 @@ impl Subdivision {
     /// The ends of a wavelet's edge as seen from a side that it is on, which may reach farther. O(level).
     fn ends_beside(&self, wavelet: u32, side: Side) -> [u32; 2] {
         let mut ends = [NONE; 2];
-        for (whole, half) in self.wholes(wavelet, side.face()) {
+        for (whole, half) in self.parent_edges(wavelet, side.face()) {
             let end = &mut ends[1 - half];
             if *end == NONE {
                 *end = self.vertices_at(whole, side.face(), side.side())[0];
@@ -445,7 +445,7 @@ impl Subdivision {
 
     /// The wavelets whose edges a wavelet's is a part of, from the next coarser one on, each with the half that the one before
     /// it is; down to the level that a face is split to, or would be. Edges of one direction all.
-    pub(super) fn wholes(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub(super) fn parent_edges(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
         let start = self.face_levels[self.level_of_face(face) + 1];
         let mut along = self.along[wavelet as usize][0];
         std::iter::from_fn(move || {
@@ -471,7 +471,7 @@ impl Subdivision {
         if along.against() { [b, a] } else { [a, b] }
     }
 
-    /// The vertex of a wavelet; on a seam there are [others](Self::doubles_of) too.
+    /// The vertex of a wavelet; on a seam there are [others](Self::seam_vertices_of) too.
     pub fn vertex_of(&self, wavelet: u32) -> u32 {
         self.base_vertices + wavelet
     }
@@ -482,14 +482,14 @@ impl Subdivision {
         if (at as usize) < self.along.len() {
             return Some(at);
         }
-        self.doubles.get(at as usize - self.along.len()).map(|double| double.0)
+        self.seam_vertices.get(at as usize - self.along.len()).map(|double| double.0)
     }
 
     /// Further vertices of a wavelet on a seam.
-    pub fn doubles_of(&self, wavelet: u32) -> std::ops::Range<u32> {
+    pub fn seam_vertices_of(&self, wavelet: u32) -> std::ops::Range<u32> {
         let first = self.base_vertices + self.along.len() as u32;
-        let start = self.doubles.partition_point(|double| double.0 < wavelet);
-        let count = self.doubles[start..].partition_point(|double| double.0 == wavelet);
+        let start = self.seam_vertices.partition_point(|double| double.0 < wavelet);
+        let count = self.seam_vertices[start..].partition_point(|double| double.0 == wavelet);
         first + start as u32..first + (start + count) as u32
     }
 
@@ -504,7 +504,7 @@ impl Subdivision {
             + size_of_val(&self.along[..])
             + size_of_val(&self.more[..])
             + size_of_val(&self.seams[..])
-            + size_of_val(&self.torn[..])
-            + size_of_val(&self.doubles[..])
+            + size_of_val(&self.interior_seams[..])
+            + size_of_val(&self.seam_vertices[..])
     }
 }

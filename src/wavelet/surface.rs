@@ -16,7 +16,7 @@ use crate::mesh::NONE;
 
 use super::Triangulation;
 use super::subdivision::Subdivision;
-use super::tally::{Tally, Witness};
+use super::use_counts::{UseCounts, UseSink};
 
 /// A side of what is left of a face: the wavelet on it, and where that is.
 #[derive(Debug, Clone, Copy)]
@@ -79,7 +79,7 @@ impl Changes {
     }
 }
 
-impl Witness for Changes {
+impl UseSink for Changes {
     fn used(&mut self, wavelet: u32) {
         self.wavelet(wavelet);
     }
@@ -91,8 +91,8 @@ impl Witness for Changes {
 
 /// The triangles of a set of wavelets closed under parents.
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
-    tally: Tally,
+pub(super) struct WaveletSurface {
+    uses: UseCounts,
     /// Per face its first triangle, or `NONE`.
     first: Vec<u32>,
     /// One per material.
@@ -102,11 +102,11 @@ pub(super) struct Surface {
     cut: Vec<[u32; 3]>,
 }
 
-impl Surface {
+impl WaveletSurface {
     /// The base mesh.
     pub fn new(of: &Subdivision, triangulation: Triangulation, groups: usize) -> Self {
         let mut surface = Self {
-            tally: Tally::new(of, triangulation),
+            uses: UseCounts::new(of, triangulation),
             first: vec![NONE; of.face_count()],
             groups: vec![Group::default(); groups.max(1)],
             changes: Changes {
@@ -122,18 +122,18 @@ impl Surface {
         surface
     }
 
-    pub fn tally(&self) -> &Tally {
-        &self.tally
+    pub fn uses(&self) -> &UseCounts {
+        &self.uses
     }
 
-    /// Takes in that a wavelet comes into the set or goes; drawn with [`Surface::write`].
+    /// Takes in that a wavelet comes into the set or goes; drawn with [`WaveletSurface::write`].
     pub fn change(&mut self, of: &Subdivision, wavelet: u32, comes: bool) {
         // Its vertex is elsewhere now even if it stays in use.
         self.changes.wavelet(wavelet);
-        self.tally.change(of, wavelet, comes, &mut self.changes);
+        self.uses.change(of, wavelet, comes, &mut self.changes);
     }
 
-    /// The wavelets whose vertices came into use or went since the last [`Surface::write`], or that came into the set or went;
+    /// The wavelets whose vertices came into use or went since the last [`WaveletSurface::write`], or that came into the set or went;
     /// and others too.
     pub fn changed(&self) -> &[u32] {
         &self.changes.wavelets
@@ -152,11 +152,11 @@ impl Surface {
             self.changes.wavelet_is_in[wavelet as usize] = false;
             for along in of.faces_along(wavelet) {
                 let mut face = along.face();
-                while !self.tally.is_there(of, face) {
+                while !self.uses.is_there(of, face) {
                     let Some((parent, ..)) = of.parent(face) else { break };
                     face = parent;
                 }
-                if !self.tally.splits(of, face) {
+                if !self.uses.splits(of, face) {
                     self.changes.face(face);
                 }
             }
@@ -175,14 +175,14 @@ impl Surface {
 
     /// Finds the triangles of a face.
     fn cut(&mut self, of: &Subdivision, face: u32) {
-        let Self { tally, stack, cut, .. } = self;
+        let Self { uses, stack, cut, .. } = self;
         cut.clear();
-        if !tally.is_there(of, face) || tally.splits(of, face) {
+        if !uses.is_there(of, face) || uses.splits(of, face) {
             return;
         }
         let edge = |face: u32, side: usize| Edge::new(of, face, side);
         let corners = of.corners(face);
-        match tally.cut_corner(of, face) {
+        match uses.cut_corner(of, face) {
             None => stack.push((corners, [0, 1, 2].map(|side| edge(face, side)))),
             Some(i) => {
                 // A quadrilateral from m_i to c_(i+1), c_(i+2), m_(i+2).
@@ -197,7 +197,7 @@ impl Surface {
                 stack.push(([near, corners[k], far], [Edge::BARE, end, inside]));
             }
         }
-        cut_all(of, stack, |wavelet| tally.is_used(wavelet), |triangle| cut.push(triangle));
+        cut_all(of, stack, |wavelet| uses.is_used(wavelet), |triangle| cut.push(triangle));
     }
 
     /// Writes the triangles found in place of those that a face had.
@@ -271,7 +271,7 @@ impl Surface {
         let groups = self.groups.iter().map(|group| {
             size_of_val(&group.triangles[..]) + size_of_val(&group.links[..]) + group.dirty.memory()
         });
-        self.tally.memory()
+        self.uses.memory()
             + size_of_val(&self.first[..])
             + self.changes.face_is_in.len()
             + self.changes.wavelet_is_in.len()

@@ -4,7 +4,7 @@
 
 use crate::adapt::Refinements;
 
-use super::tally::{Tally, Witness};
+use super::use_counts::{UseCounts, UseSink};
 use super::{Subdivision, Triangulation, WaveletMesh};
 
 impl WaveletMesh {
@@ -36,11 +36,11 @@ impl WaveletMesh {
         order.sort_by(|&a, &b| size[b as usize].total_cmp(&size[a as usize]));
 
         let mut set = vec![false; count as usize];
-        let mut tally = Tally::new(of, triangulation);
+        let mut uses = UseCounts::new(of, triangulation);
         let mut drawn = of.base_face_count();
         let mut used = Used { of, vertices: of.base_vertex_count() };
         for wavelet in order {
-            drawn += tally.change(of, wavelet, true, &mut used);
+            drawn += uses.change(of, wavelet, true, &mut used);
             if !fits(drawn, used.vertices) {
                 break;
             }
@@ -64,9 +64,9 @@ struct Used<'a> {
     vertices: usize,
 }
 
-impl Witness for Used<'_> {
+impl UseSink for Used<'_> {
     fn used(&mut self, wavelet: u32) {
-        self.vertices += 1 + self.of.doubles_of(wavelet).count();
+        self.vertices += 1 + self.of.seam_vertices_of(wavelet).count();
     }
 
     fn turned(&mut self, _: u32) {}

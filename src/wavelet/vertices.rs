@@ -8,14 +8,14 @@
 //!
 //! Ends are of coarser levels, so going through levels in order finds every vertex once its ends are found. Looked at are only
 //! those that came, went or move, and those whose ends did: a vertex is an end of one edge at each finer level in every
-//! direction (a *spoke* and its inner halves).
+//! direction (a *incident edge* and its inner halves).
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 
 use super::subdivision::Subdivision;
-use super::surface::Surface;
+use super::surface::WaveletSurface;
 
 /// In the set.
 const SET: u8 = 1;
@@ -155,14 +155,14 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Brings all that changed to where it is drawn now. Before the surface is written.
-    pub fn update(&mut self, of: &Subdivision, surface: &Surface) {
+    pub fn update(&mut self, of: &Subdivision, surface: &WaveletSurface) {
         for &wavelet in surface.changed() {
-            if surface.tally().is_used(wavelet) {
+            if surface.uses().is_used(wavelet) {
                 self.enqueue(of, wavelet);
             } else {
                 self.state[wavelet as usize] &= !AT_REST;
                 self.release(of.vertex_of(wavelet));
-                of.doubles_of(wavelet).for_each(|vertex| self.release(vertex));
+                of.seam_vertices_of(wavelet).for_each(|vertex| self.release(vertex));
             }
         }
         for level in 0..self.queue.len() {
@@ -170,7 +170,7 @@ impl<V: Vertex> Vertices<V> {
             while let Some(&wavelet) = self.queue[level].get(at) {
                 at += 1;
                 self.state[wavelet as usize] &= !QUEUED;
-                if surface.tally().is_used(wavelet) && self.place(of, wavelet) {
+                if surface.uses().is_used(wavelet) && self.place(of, wavelet) {
                     self.wake_dependents(of, surface, wavelet);
                 }
             }
@@ -184,11 +184,11 @@ impl<V: Vertex> Vertices<V> {
         let was_at_rest = self.state[wavelet as usize] & AT_REST != 0;
         let mut at_rest = weight == 1.0;
         let own = of.vertex_of(wavelet);
-        for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
+        for vertex in std::iter::once(own).chain(of.seam_vertices_of(wavelet)) {
             let Some(ends) = of.ends(vertex) else { continue };
             at_rest &= ends.iter().all(|&end| self.is_at_rest(of, end));
         }
-        for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
+        for vertex in std::iter::once(own).chain(of.seam_vertices_of(wavelet)) {
             let Some(ends) = of.ends(vertex) else { continue };
             let own = self.values[vertex as usize];
             let value = match self.mix.filter(|_| !at_rest) {
@@ -249,12 +249,12 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    fn wake_dependents(&mut self, of: &Subdivision, surface: &Surface, wavelet: u32) {
-        for (spoke, starts) in of.spokes(wavelet) {
-            let mut spoke = spoke;
-            while spoke != NONE && surface.tally().is_used(spoke) {
-                self.enqueue(of, spoke);
-                spoke = of.halves(spoke)[usize::from(!starts)];
+    fn wake_dependents(&mut self, of: &Subdivision, surface: &WaveletSurface, wavelet: u32) {
+        for (incident, starts) in of.incident_edges(wavelet) {
+            let mut incident = incident;
+            while incident != NONE && surface.uses().is_used(incident) {
+                self.enqueue(of, incident);
+                incident = of.halves(incident)[usize::from(!starts)];
             }
         }
     }
@@ -275,14 +275,14 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Takes in that vertices have other values at their own places: they are to be drawn anew, and what is between them.
-    pub fn revalue(&mut self, of: &Subdivision, surface: &Surface, changed: &[u32]) {
+    pub fn revalue(&mut self, of: &Subdivision, surface: &WaveletSurface, changed: &[u32]) {
         let mut corners: Vec<u32> = Vec::new();
         for &vertex in changed {
             let Some(wavelet) = of.wavelet_of(vertex) else {
                 corners.push(vertex);
                 continue;
             };
-            if surface.tally().is_used(wavelet) {
+            if surface.uses().is_used(wavelet) {
                 // Or it would be taken for drawn already.
                 self.state[wavelet as usize] &= !AT_REST;
                 self.enqueue(of, wavelet);
@@ -305,10 +305,10 @@ impl<V: Vertex> Vertices<V> {
                 let (wavelet, against) = of.side(face, k);
                 let ends = [ends[k], ends[(k + 1) % 3]];
                 for end in (0..2).filter(|&end| ends[end]) {
-                    let mut spoke = wavelet;
-                    while spoke != NONE && surface.tally().is_used(spoke) {
-                        self.enqueue(of, spoke);
-                        spoke = of.halves(spoke)[end ^ usize::from(against)];
+                    let mut incident = wavelet;
+                    while incident != NONE && surface.uses().is_used(incident) {
+                        self.enqueue(of, incident);
+                        incident = of.halves(incident)[end ^ usize::from(against)];
                     }
                 }
             }
@@ -321,9 +321,9 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Where a vertex is drawn, or its own place where it is not.
-    pub fn value(&self, surface: &Surface, of: &Subdivision, vertex: u32) -> V {
+    pub fn value(&self, surface: &WaveletSurface, of: &Subdivision, vertex: u32) -> V {
         match of.wavelet_of(vertex) {
-            Some(wavelet) if !surface.tally().is_used(wavelet) => self.values[vertex as usize],
+            Some(wavelet) if !surface.uses().is_used(wavelet) => self.values[vertex as usize],
             _ => self.drawn[self.name(vertex) as usize],
         }
     }

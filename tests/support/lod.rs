@@ -91,7 +91,7 @@ impl Random {
 }
 
 impl Criterion for Random {
-    fn needs(&self, bounds: &Bounds) -> Answer {
+    fn test(&self, bounds: &Bounds) -> Answer {
         Answer::once(self.of_bounds[&bits(bounds)])
     }
 
@@ -121,21 +121,21 @@ pub fn drawn<V: Vertex>(lod: &HierarchyLod<V>) -> Vec<(u32, [u32; 3])> {
 /// The same from the definition.
 pub fn image<V: Vertex>(lod: &HierarchyLod<V>) -> Vec<(u32, [u32; 3])> {
     let triangles = lod.hierarchy().triangles().iter().enumerate();
-    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| lod.stand_in(v))));
+    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| lod.representative(v))));
     all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
 }
 
 /// The image of all triangles at a cut, less those with two equal corners.
 pub fn image_at(hierarchy: &VertexHierarchy, cut: &Cut) -> Vec<(u32, [u32; 3])> {
     let triangles = hierarchy.triangles().iter().enumerate();
-    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| hierarchy.stand_in(v, cut))));
+    let all = triangles.map(|(t, corners)| (t as u32, corners.map(|v| hierarchy.representative(v, cut))));
     all.filter(|(_, [a, b, c])| a != b && b != c && c != a).collect()
 }
 
 /// Whether a cut holds with each split those it needs.
 pub fn is_closed(hierarchy: &VertexHierarchy, cut: &Cut) -> bool {
     let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
-    let mut needed = splits.flat_map(|split| hierarchy.parents(split).chain(hierarchy.needs(split)));
+    let mut needed = splits.flat_map(|split| hierarchy.parents(split).chain(hierarchy.dependencies(split)));
     needed.all(|split| cut.holds(split))
 }
 
@@ -153,7 +153,7 @@ pub fn wanted(hierarchy: &VertexHierarchy, cut: &Cut) -> Vec<u32> {
 pub fn assert_valid<V: Vertex>(lod: &HierarchyLod<V>) {
     let hierarchy = lod.hierarchy();
     for split in shown(lod) {
-        assert!(hierarchy.parents(split).chain(hierarchy.needs(split)).all(|other| lod.shows(other)));
+        assert!(hierarchy.parents(split).chain(hierarchy.dependencies(split)).all(|other| lod.shows(other)));
     }
     assert_eq!(drawn(lod), image(lod));
 }

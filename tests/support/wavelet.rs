@@ -180,7 +180,7 @@ impl Given {
 }
 
 impl Criterion<DeviationBounds> for Given {
-    fn needs(&self, bounds: &DeviationBounds) -> Answer {
+    fn test(&self, bounds: &DeviationBounds) -> Answer {
         Answer::once(self.of_place[&bounds.centre.map(f32::to_bits)])
     }
 

@@ -14,7 +14,7 @@ fn measures(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("demo model");
     group.sample_size(10).measurement_time(Duration::from_secs(3));
     group.throughput(Throughput::Elements(mesh.triangles().len() as u64));
-    for measure in [ErrorMeasure::Travel, ErrorMeasure::Measured, ErrorMeasure::Verified] {
+    for measure in [ErrorMeasure::Parametric, ErrorMeasure::Measured, ErrorMeasure::Verified] {
         group.bench_function(format!("{measure:?}"), |bencher| {
             bencher.iter(|| black_box(Simplifier::new().error_measure(measure).run(&mesh)));
         });

@@ -30,7 +30,7 @@ pub(crate) enum Output {
 /// Every contender, in the order they run within a round.
 pub(crate) const CONTENDERS: &[Contender] = &[
     Contender { name: "meshopt", run: meshopt },
-    Contender { name: "travel", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Travel) },
+    Contender { name: "parametric", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Parametric) },
     Contender { name: "measured", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Measured) },
     Contender { name: "verified", run: |mesh, n| sequence(mesh, n, ErrorMeasure::Verified) },
     Contender { name: "lindstrom-turk", run: lindstrom_turk },

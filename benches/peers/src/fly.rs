@@ -372,7 +372,7 @@ fn slowly(
 struct All(bool);
 
 impl Criterion for All {
-    fn needs(&self, _: &Bounds) -> Answer {
+    fn test(&self, _: &Bounds) -> Answer {
         if self.0 { Answer::ALWAYS } else { Answer::NEVER }
     }
 

@@ -80,7 +80,7 @@ impl Facts {
     fn hierarchy(&mut self, hierarchy: &VertexHierarchy) {
         let leaves = hierarchy.leaf_count();
         let overhead = (leaves > 0).then(|| hierarchy.overhead() as f64 / leaves as f64);
-        let dependencies = match hierarchy.dependencies() {
+        let dependencies = match hierarchy.dependency_kind() {
             Dependencies::None => "none",
             Dependencies::Adjacent => "adjacent",
             Dependencies::Neighbours => "neighbours",

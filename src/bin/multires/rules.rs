@@ -149,7 +149,7 @@ pub enum Sequence {
 /// What the error of a level is.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Measure {
-    Travel,
+    Parametric,
     Measured,
     Verified,
 }
@@ -276,7 +276,7 @@ impl Rules {
             Sequence::Batched => Order::Batched,
         };
         let measure = match self.error_measure {
-            Measure::Travel => ErrorMeasure::Travel,
+            Measure::Parametric => ErrorMeasure::Parametric,
             Measure::Measured => ErrorMeasure::Measured,
             Measure::Verified => ErrorMeasure::Verified,
         };
@@ -344,7 +344,7 @@ impl Rules {
 
     fn measure_name(&self) -> &'static str {
         match self.error_measure {
-            Measure::Travel => "travel",
+            Measure::Parametric => "parametric",
             Measure::Measured => "measured",
             Measure::Verified => "verified",
         }

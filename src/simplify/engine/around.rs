@@ -20,7 +20,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             && !self.is_time_around_hub(pair.kept);
         if is_part {
             ring.extend(self.patch.facets_of_lost().iter().flat_map(|facet| facet.others));
-            ring.extend(self.patch.thirds());
+            ring.extend(self.patch.opposite());
         } else {
             self.surface.for_neighbours(pair.kept, |n| ring.push(n));
         }

@@ -5,7 +5,7 @@
 //!                           by distance?         dearer: put back
 //!                           a rule, the error?   refused: it stays for good
 //!     in one step           all its vertices are taken for one of its nearest kin: all its triangles are degenerate
-//!                           its witnesses go to the nearest triangles that are left
+//!                           its tracked samples go to the nearest triangles that are left
 //!     joining               in a second step a corner of the heir moves to the part's far end
 //! ```
 //!
@@ -21,7 +21,7 @@ use super::super::metric::{ErrorMetric, Pair, VanishingLoss};
 use super::super::options::Order;
 use super::super::oracle::Collapse;
 use super::super::parts::Parts;
-use super::super::surface::Surface;
+use super::super::surface::WorkingSurface;
 use super::{Engine, state};
 
 /// A part of at most so many triangles is a remnant.
@@ -293,7 +293,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.surface.vanish(points, &mut self.dead);
         self.tell(None);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
-        // In order: after what changed the part, its heir and the triangles that took its witnesses, and before what
+        // In order: after what changed the part, its heir and the triangles that took its tracked samples, and before what
         // changes those next.
         self.tiled |= self.queue.is_tiled();
         let mut rank = (self.first_rank + self.queue.rank()).max(self.vanishing.floor).max(scratch.floor);
@@ -321,19 +321,19 @@ impl<M: ErrorMetric> Engine<'_, M> {
 
     /// Whether a collapse whose patch is in `self.patch` would leave nothing of all that hangs together with it.
     pub(super) fn takes_all(&self, pair: Pair) -> bool {
-        let thirds = self.patch.thirds();
+        let opposite = self.patch.opposite();
         let goes = |point: u32, dying: usize| self.surface.valence(point) == dying;
-        let dying_at = |third: u32| thirds.iter().filter(|&&other| other == third).count();
-        !thirds.is_empty()
-            && goes(pair.lost, thirds.len())
-            && goes(pair.kept, thirds.len())
-            && thirds.iter().all(|&third| goes(third, dying_at(third)))
+        let dying_at = |third: u32| opposite.iter().filter(|&&other| other == third).count();
+        !opposite.is_empty()
+            && goes(pair.lost, opposite.len())
+            && goes(pair.kept, opposite.len())
+            && opposite.iter().all(|&third| goes(third, dying_at(third)))
     }
 
     /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
     pub(super) fn makes_rag(&self, pair: Pair) -> bool {
         let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
-        if self.limits.error.is_finite() || self.patch.thirds().is_empty() {
+        if self.limits.error.is_finite() || self.patch.opposite().is_empty() {
             return false;
         }
         let part = parts.of(pair.kept);
@@ -376,7 +376,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
     }
 }
 
-fn double_area(surface: &Surface, corners: [u32; 3]) -> f32 {
+fn double_area(surface: &WorkingSurface, corners: [u32; 3]) -> f32 {
     let [p, q, r] = corners.map(|v| surface.at(v));
     (q - p).cross(r - p).length()
 }
@@ -384,7 +384,7 @@ fn double_area(surface: &Surface, corners: [u32; 3]) -> f32 {
 /// The squared distance of a position to the triangles around what the points found have become, and which is nearest;
 /// `tried` is scratch.
 fn nearest_triangle(
-    surface: &Surface,
+    surface: &WorkingSurface,
     parts: &mut Parts,
     found: &[(f32, u32)],
     tried: &mut Vec<u32>,

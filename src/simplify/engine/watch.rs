@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::super::options::{ErrorMeasure, Guard};
-use super::super::surface::Surface;
+use super::super::surface::WorkingSurface;
 
 /// The limit of [`Guard`] and what it refused.
 pub(super) struct Watch {
@@ -23,9 +23,9 @@ pub(super) struct Watch {
 const GROWN: f32 = 1.25;
 
 impl Watch {
-    pub fn new(surface: &Surface, guard: Guard, measure: ErrorMeasure) -> Self {
+    pub fn new(surface: &WorkingSurface, guard: Guard, measure: ErrorMeasure) -> Self {
         // Distances travelled along the surface tell nothing of ruin.
-        let on = guard == Guard::On && measure != ErrorMeasure::Travel;
+        let on = guard == Guard::On && measure != ErrorMeasure::Parametric;
         Self { on, diagonal: diagonal(surface), largest: 0.0, refused: 0, standing: 0, tried: 0.0 }
     }
 
@@ -55,7 +55,7 @@ impl Watch {
 }
 
 /// The diagonal of the box around what triangles use, inner units.
-fn diagonal(surface: &Surface) -> f32 {
+fn diagonal(surface: &WorkingSurface) -> f32 {
     let used = (0..surface.point_count() as u32).filter(|&point| surface.valence(point) > 0);
     let (low, high) = used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
         (low.min(surface.at(point)), high.max(surface.at(point)))

@@ -23,7 +23,7 @@ use super::{
 use crate::mesh::{Attribute, Mesh, names};
 use crate::simplify::classify::kind;
 use crate::simplify::options::OptionError;
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 use crate::simplify::wedge_map::WedgeMap;
 
 /// Which attributes count, and how much.
@@ -457,7 +457,7 @@ impl<M> WithAttributes<M> {
 
     /// What the attributes are off by where `pair` is merged where the kept point lies; `whole` with what the kept wedges
     /// carry already.
-    fn off_at_kept(&self, surface: &Surface, pair: Pair, whole: bool) -> AttributeSum {
+    fn off_at_kept(&self, surface: &WorkingSurface, pair: Pair, whole: bool) -> AttributeSum {
         let mut off = AttributeSum { added: !whole, ..AttributeSum::default() };
         let x = surface.at(pair.kept);
         for_wedges(surface, pair, |lost, kept| {
@@ -473,7 +473,7 @@ impl<M> WithAttributes<M> {
     }
 
     /// What the attributes are off by wherever `pair` is merged, with the values that are best there.
-    fn off_anywhere(&self, surface: &Surface, pair: Pair) -> AttributeQuadric {
+    fn off_anywhere(&self, surface: &WorkingSurface, pair: Pair) -> AttributeQuadric {
         let origin = surface.at(pair.lost);
         let mut all = AttributeQuadric { origin, ..AttributeQuadric::default() };
         for_wedges(surface, pair, |lost, kept| self.add_wedges(&mut all, lost, kept));
@@ -513,7 +513,7 @@ impl<M> WithAttributes<M> {
     }
 
     /// The sums of the surface as it is. They run over the triangles in order, so they are the same always.
-    fn build(&mut self, surface: &Surface) {
+    fn build(&mut self, surface: &WorkingSurface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
         let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
         let count = vertices.max().map_or(0, |v| v as usize + 1);
@@ -624,7 +624,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.metric.begin(surface, batch);
         self.yielded = self.yields && self.metric.counts_attributes();
         if batch.index == 0 || self.heads.is_empty() {
@@ -632,7 +632,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let cost = self.metric.cost(surface, pair, position);
         if self.is_idle() {
             return cost;
@@ -645,7 +645,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         cost + self.metric.attribute_cost(surface, pair, off)
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let cost = self.metric.cost_at_kept(surface, pair);
         if self.is_idle() {
             return cost;
@@ -653,7 +653,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         cost + self.metric.attribute_cost(surface, pair, self.off_at_kept(surface, pair, false))
     }
 
-    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         self.metric.costs_at_kept(surface, lost, kept, costs);
         if self.is_idle() {
             return;
@@ -677,18 +677,18 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         if self.is_idle() {
             return self.metric.optimum(surface, pair);
         }
         self.metric.optimum_with(surface, pair, &self.off_anywhere(surface, pair))
     }
 
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.metric.collapsing(surface, pair, position);
     }
 
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
         self.metric.substituting(surface, substitutions);
         let Substitutions { position, pairs, first_new, new_vertices } = substitutions;
         let reach = pairs.iter().flatten().max().map_or(0, |&v| v as usize + 1);
@@ -715,11 +715,11 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.metric.collapsed(surface, pair);
     }
 
-    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         self.metric.cost_per_deviation(surface, pair)
     }
 
@@ -727,7 +727,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         self.metric.vanishing_cost(loss)
     }
 
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         self.metric.attribute_cost(surface, pair, off)
     }
 
@@ -753,7 +753,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
 
 /// Calls `visit` with every wedge of the lost point and the wedge of the kept point that it would become.
 #[inline]
-fn for_wedges(surface: &Surface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
+fn for_wedges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }

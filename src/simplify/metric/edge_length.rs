@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::region::{finite, swept_by_rims};
 use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the area that rims sweep against the squared length.
 const RIM: f64 = 64.0;
@@ -32,9 +32,9 @@ impl ErrorMetric for EdgeLength {
         "edge-length"
     }
 
-    fn begin(&mut self, _: &Surface, _: Batch) {}
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let length = surface.at(pair.lost).distance_squared(surface.at(pair.kept));
         if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
             let x = Vec3::from(position).as_dvec3();
@@ -43,13 +43,13 @@ impl ErrorMetric for EdgeLength {
         length
     }
 
-    fn optimum(&self, _: &Surface, _: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
         None
     }
 
     /// The square of the length of an edge on which a surface that bends is off by as much: on a sphere, the middle of
     /// an edge half as long as the radius lies a sixteenth of its length off.
-    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         (off.mean() * LENGTHS * LENGTHS) as f32
     }
 

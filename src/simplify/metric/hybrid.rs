@@ -12,7 +12,7 @@ use super::region::{
 };
 use super::unsigned_volume::{swept, swept_to_kept};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// The unsigned swept volume times the largest deviation of a normal.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,16 +45,16 @@ impl ErrorMetric for Hybrid {
         "hybrid"
     }
 
-    fn begin(&mut self, _: &Surface, _: Batch) {}
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         let mut largest: f64 = 0.0;
         for_region(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
         finite(swept(surface, pair, x) * largest + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let x = at(surface, pair.kept);
         let mut largest: f64 = 0.0;
         for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
@@ -63,13 +63,13 @@ impl ErrorMetric for Hybrid {
         )
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
     /// The volume between the surface and one that is off by as much, times the turn of a normal where the surface is
     /// off by that at one end of the edge and by nothing at the other: half of the squared slope.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         let length2 = f64::from(surface.at(pair.lost).distance_squared(surface.at(pair.kept)));
         let turn = off.mean() / (2.0 * length2).max(f64::MIN_POSITIVE);
         finite(off.volume() * turn.min(2.0))
@@ -77,7 +77,7 @@ impl ErrorMetric for Hybrid {
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {

@@ -16,10 +16,10 @@ use glam::{DVec3, Vec3};
 
 use super::region::{at, finite, for_border_edges, for_region, for_rims};
 use super::solve::{Constraints, Symmetric, minimise_on_plane};
-use super::stars::{Stars, Sum, Weight};
+use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
 use crate::simplify::curves::Rim;
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the areas that creases and seams sweep. The volumes on either side hold creases already: by trial on a machined
 /// part the mean distance grows by a third with 1, the largest by as much with 0. Without any weight a seam slides over
@@ -36,12 +36,12 @@ const SCALE: f64 = (1u64 << 60) as f64 * VOLUME;
 /// meshes keep their volume.
 #[derive(Debug, Clone)]
 pub struct LindstromTurk {
-    stars: Stars,
+    stars: StarSums,
 }
 
 impl Default for LindstromTurk {
     fn default() -> Self {
-        Self { stars: Stars::new(Weight::Volume, 0.0) }
+        Self { stars: StarSums::new(Weight::Volume, 0.0) }
     }
 }
 
@@ -52,7 +52,7 @@ impl LindstromTurk {
     }
 
     /// Twice the area of a triangle around the two points: root mean square.
-    fn double_area(&self, surface: &Surface, pair: Pair) -> f64 {
+    fn double_area(&self, surface: &WorkingSurface, pair: Pair) -> f64 {
         let count = surface.valence(pair.lost) + surface.valence(pair.kept);
         let squares = self.stars.squares(pair.lost) + self.stars.squares(pair.kept);
         (squares / count.max(1) as f64).sqrt()
@@ -60,7 +60,7 @@ impl LindstromTurk {
 
     /// Volumes and rims of a candidate with a point on a curve, relative to the lost point.
     #[cold]
-    fn at_rim(&self, surface: &Surface, pair: Pair) -> (Sum, Border) {
+    fn at_rim(&self, surface: &WorkingSurface, pair: Pair) -> (Sum, Border) {
         let mut sum = self.stars.region(surface, pair);
         let border = Border::new(surface, pair);
         let length2 = (at(surface, pair.kept) - at(surface, pair.lost)).length_squared();
@@ -73,7 +73,7 @@ impl LindstromTurk {
 }
 
 #[inline]
-fn is_at_rim(surface: &Surface, pair: Pair) -> bool {
+fn is_at_rim(surface: &WorkingSurface, pair: Pair) -> bool {
     surface.is_on_curve(pair.lost) | surface.is_on_curve(pair.kept)
 }
 
@@ -90,7 +90,7 @@ struct Border {
 
 impl Border {
     #[cold]
-    fn new(surface: &Surface, pair: Pair) -> Self {
+    fn new(surface: &WorkingSurface, pair: Pair) -> Self {
         let mut border = Self::default();
         let origin = at(surface, pair.lost);
         for_border_edges(surface, pair, |p, q| {
@@ -125,11 +125,11 @@ impl ErrorMetric for LindstromTurk {
         "lindstrom-turk"
     }
 
-    fn begin(&mut self, surface: &Surface, _: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, _: Batch) {
         self.stars.build(surface);
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         let sum = if is_at_rim(surface, pair) {
             self.at_rim(surface, pair).0
@@ -140,7 +140,7 @@ impl ErrorMetric for LindstromTurk {
     }
 
     #[inline]
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
@@ -153,14 +153,14 @@ impl ErrorMetric for LindstromTurk {
 
     /// A squared volume is a squared distance times the square of twice the area, not twice the area: so the exchange
     /// rate is twice the area of a triangle around.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         finite(f64::from(off.sum) * self.double_area(surface, pair) * SCALE)
     }
 
     #[inline]
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {
@@ -181,14 +181,19 @@ impl ErrorMetric for LindstromTurk {
         }
     }
 
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.stars.update(surface, pair.kept);
     }
 }
 
 /// The position with all conditions taken in order.
 #[cold]
-fn place(surface: &Surface, pair: Pair, sum: &Sum, border: Option<&Border>) -> Option<([f32; 3], f32)> {
+fn place(
+    surface: &WorkingSurface,
+    pair: Pair,
+    sum: &Sum,
+    border: Option<&Border>,
+) -> Option<([f32; 3], f32)> {
     let mut constraints = Constraints::default();
     constraints.add(sum.normals, sum.offset);
     if let Some(border) = border {
@@ -210,6 +215,6 @@ fn place(surface: &Surface, pair: Pair, sum: &Sum, border: Option<&Border>) -> O
 }
 
 #[inline]
-fn placed(surface: &Surface, pair: Pair, sum: &Sum, x: DVec3) -> ([f32; 3], f32) {
+fn placed(surface: &WorkingSurface, pair: Pair, sum: &Sum, x: DVec3) -> ([f32; 3], f32) {
     ((at(surface, pair.lost) + x).as_vec3().into(), finite(sum.at(x) * SCALE))
 }

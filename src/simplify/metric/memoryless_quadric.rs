@@ -7,9 +7,9 @@ use glam::Vec3;
 
 use super::region::{at, finite};
 use super::solve::nearest_minimum;
-use super::stars::{Stars, Sum, Weight};
+use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the planes upright on borders, feature edges and creases against triangles of the same area.
 const UPRIGHT: f64 = 4.0;
@@ -18,12 +18,12 @@ const UPRIGHT: f64 = 4.0;
 /// upright on borders, feature edges and creases.
 #[derive(Debug, Clone)]
 pub struct MemorylessQuadric {
-    stars: Stars,
+    stars: StarSums,
 }
 
 impl Default for MemorylessQuadric {
     fn default() -> Self {
-        Self { stars: Stars::new(Weight::Area, UPRIGHT) }
+        Self { stars: StarSums::new(Weight::Area, UPRIGHT) }
     }
 }
 
@@ -33,7 +33,7 @@ impl MemorylessQuadric {
         Self::default()
     }
 
-    fn region(&self, surface: &Surface, pair: Pair) -> Sum {
+    fn region(&self, surface: &WorkingSurface, pair: Pair) -> Sum {
         self.stars.region(surface, pair)
     }
 }
@@ -43,22 +43,22 @@ impl ErrorMetric for MemorylessQuadric {
         "memoryless-quadric"
     }
 
-    fn begin(&mut self, surface: &Surface, _: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, _: Batch) {
         self.stars.build(surface);
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         finite(self.region(surface, pair).at(x))
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {
@@ -72,11 +72,11 @@ impl ErrorMetric for MemorylessQuadric {
 
     /// Each triangle counts once with its area, and the patch that a collapse changes has the form of a tent, whose
     /// mean squared height is a sixth of the squared peak.
-    fn cost_per_deviation(&self, _: &Surface, _: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, _: &WorkingSurface, _: Pair) -> Option<f32> {
         Some(6.0)
     }
 
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.stars.update(surface, pair.kept);
     }
 }

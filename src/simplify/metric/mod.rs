@@ -42,7 +42,7 @@ pub use unsigned_volume::UnsignedVolume;
 pub use volume_area::VolumeArea;
 
 use super::sequence::NewVertex;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// A candidate: `lost` would be merged into `kept`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +69,7 @@ pub struct Batch {
 
 impl Batch {
     /// The first batch on a surface, to ask a metric outside of a simplification.
-    pub fn first(surface: &Surface) -> Self {
+    pub fn first(surface: &WorkingSurface) -> Self {
         let (triangles, input_triangles) = (surface.live_triangles(), surface.triangle_count());
         Self { index: 0, triangles, input_triangles, verified: false }
     }
@@ -101,49 +101,49 @@ pub trait ErrorMetric: Send + Sync {
     /// Called before the first candidate of each batch is looked at: the place to build accumulators and to change
     /// coefficients. What accumulates must be built anew when `batch.index` is 0 (another mesh) and when nothing was
     /// built yet (a metric that takes over in a later batch, see [`PerBatch`]).
-    fn begin(&mut self, surface: &Surface, batch: Batch);
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch);
 
     /// The cost of merging `pair` at `position`.
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32;
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32;
 
     /// The cost of merging `pair` where `kept` lies: what endpoint placement asks for. Worth its own formula where
     /// that is cheaper.
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         self.cost(surface, pair, surface.position(pair.kept))
     }
 
     /// The costs of merging `lost` into each of `kept` where those lie, into `costs` (of the same length): the same
     /// numbers as [`cost_at_kept`](ErrorMetric::cost_at_kept), which is asked one by one unless there is a quicker way.
-    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         for (&kept, cost) in kept.iter().zip(costs) {
             *cost = self.cost_at_kept(surface, Pair { lost, kept });
         }
     }
 
     /// The position of least cost and its cost; `None` where the metric has no opinion (the midpoint is taken).
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)>;
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)>;
 
     /// Called just before `pair` is merged at `position`.
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         let _ = (surface, pair, position);
     }
 
     /// Called just after `pair` was merged: the place to bring up to date what is known of `kept` and of the points
     /// around it.
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         let _ = (surface, pair);
     }
 
     /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
     /// does to vertices: for metrics that keep something per vertex (wedge).
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
         let _ = (surface, substitutions);
     }
 
     /// What one unit of the integral of squared distance over area (inner units) costs here: the exchange rate between
     /// this metric and what is measured or added ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
     /// [`WithAttributes`]). `None` where costs are no squared distances.
-    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         let _ = (surface, pair);
         None
     }
@@ -159,7 +159,7 @@ pub trait ErrorMetric: Send + Sync {
     /// default squared deviations times area, at the rate of [`cost_per_deviation`](ErrorMetric::cost_per_deviation)
     /// where there is one: the sum counts every triangle at its three corners with twice its area, which is six times
     /// the integral.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         off.sum * self.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0)
     }
 
@@ -167,7 +167,7 @@ pub trait ErrorMetric: Send + Sync {
     /// metric has no opinion. By default [`optimum`](ErrorMetric::optimum), whatever the attributes say.
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {
@@ -232,42 +232,42 @@ macro_rules! pass_on {
             fn name(&self) -> &'static str {
                 (**self).name()
             }
-            fn begin(&mut self, surface: &Surface, batch: Batch) {
+            fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
                 (**self).begin(surface, batch);
             }
-            fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+            fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
                 (**self).cost(surface, pair, position)
             }
-            fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+            fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
                 (**self).cost_at_kept(surface, pair)
             }
-            fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+            fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
                 (**self).costs_at_kept(surface, lost, kept, costs);
             }
-            fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+            fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
                 (**self).optimum(surface, pair)
             }
-            fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+            fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
                 (**self).collapsing(surface, pair, position);
             }
-            fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+            fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
                 (**self).collapsed(surface, pair);
             }
-            fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+            fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
                 (**self).substituting(surface, substitutions);
             }
-            fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+            fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
                 (**self).cost_per_deviation(surface, pair)
             }
             fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
                 (**self).vanishing_cost(loss)
             }
-            fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+            fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
                 (**self).attribute_cost(surface, pair, off)
             }
             fn optimum_with(
                 &self,
-                surface: &Surface,
+                surface: &WorkingSurface,
                 pair: Pair,
                 attributes: &AttributeQuadric,
             ) -> Option<([f32; 3], f32)> {
@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn costs_together_are_the_costs_one_by_one() {
         let mesh = shapes::terrain(8, 3);
-        let surface = Surface::new(&mesh, &Topology::new(&mesh));
+        let surface = WorkingSurface::new(&mesh, &Topology::new(&mesh));
         let points: Vec<u32> = (0..surface.point_count() as u32).collect();
         for verified in [false, true] {
             let batch = Batch { verified, ..Batch::first(&surface) };

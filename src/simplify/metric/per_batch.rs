@@ -6,7 +6,7 @@ use super::{
     AttributeQuadric, AttributeSum, Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions,
     VanishingLoss,
 };
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// A metric chosen anew for each batch.
 ///
@@ -43,40 +43,40 @@ impl ErrorMetric for PerBatch {
         "per-batch"
     }
 
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.current = (self.choose)(batch);
         self.current.begin(surface, batch);
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.current.cost(surface, pair, position)
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         self.current.cost_at_kept(surface, pair)
     }
 
-    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         self.current.costs_at_kept(surface, lost, kept, costs);
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.current.optimum(surface, pair)
     }
 
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         self.current.collapsing(surface, pair, position);
     }
 
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.current.collapsed(surface, pair);
     }
 
-    fn substituting(&mut self, surface: &Surface, substitutions: Substitutions<'_>) {
+    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
         self.current.substituting(surface, substitutions);
     }
 
-    fn cost_per_deviation(&self, surface: &Surface, pair: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         self.current.cost_per_deviation(surface, pair)
     }
 
@@ -84,13 +84,13 @@ impl ErrorMetric for PerBatch {
         self.current.vanishing_cost(loss)
     }
 
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         self.current.attribute_cost(surface, pair, off)
     }
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {

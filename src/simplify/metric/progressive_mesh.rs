@@ -13,16 +13,16 @@ use glam::{DVec3, Vec3};
 
 use super::region::{at, finite, for_region};
 use super::solve::{Symmetric, nearest_minimum};
-use super::stars::{Stars, Sum, Weight};
+use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the planes upright on borders, feature edges and creases against that of a triangle's plane.
 const UPRIGHT: f64 = 4.0;
 
 /// Distances to planes plus springs.
 pub struct ProgressiveMeshMetric {
-    stars: Stars,
+    stars: StarSums,
     kappa: f64,
     schedule: Option<Box<dyn Fn(Batch) -> f32 + Send + Sync>>,
 }
@@ -30,7 +30,7 @@ pub struct ProgressiveMeshMetric {
 impl Default for ProgressiveMeshMetric {
     /// kappa = 1e-5.
     fn default() -> Self {
-        Self { stars: Stars::new(Weight::One, UPRIGHT), kappa: 1e-5, schedule: None }
+        Self { stars: StarSums::new(Weight::One, UPRIGHT), kappa: 1e-5, schedule: None }
     }
 }
 
@@ -63,7 +63,7 @@ impl ProgressiveMeshMetric {
     }
 
     /// Distances and springs, relative to the lost point.
-    fn region(&self, surface: &Surface, pair: Pair) -> Sum {
+    fn region(&self, surface: &WorkingSurface, pair: Pair) -> Sum {
         let mut sum = self.stars.region(surface, pair);
         if self.kappa > 0.0 {
             let origin = at(surface, pair.lost);
@@ -77,7 +77,7 @@ impl ProgressiveMeshMetric {
 }
 
 /// Triangles around the two points, those on the edge counted twice.
-fn planes(surface: &Surface, pair: Pair) -> f64 {
+fn planes(surface: &WorkingSurface, pair: Pair) -> f64 {
     (surface.valence(pair.lost) + surface.valence(pair.kept)) as f64
 }
 
@@ -87,7 +87,7 @@ fn stiffness(kappa: f32) -> f64 {
 
 /// One spring from every point around the region, relative to `origin`. Each edge opposite one of the ends carries half
 /// of the springs of its points: around an interior edge every point lies on two of them and is counted once.
-fn springs(surface: &Surface, pair: Pair, origin: DVec3) -> Sum {
+fn springs(surface: &WorkingSurface, pair: Pair, origin: DVec3) -> Sum {
     let mut sum = Sum::default();
     let mut add = |w: DVec3| {
         let w = w - origin;
@@ -109,30 +109,30 @@ impl ErrorMetric for ProgressiveMeshMetric {
         "progressive-mesh"
     }
 
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         if let Some(schedule) = &self.schedule {
             self.kappa = stiffness(schedule(batch));
         }
         self.stars.build(surface);
     }
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         finite(self.region(surface, pair).at(x))
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
     /// Distances are not weighted by area: as many planes as there are around are off by the mean.
-    fn attribute_cost(&self, surface: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         finite(off.mean() * planes(surface, pair))
     }
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {
@@ -146,7 +146,7 @@ impl ErrorMetric for ProgressiveMeshMetric {
         Some(((lost + x).as_vec3().into(), finite(sum.at(x))))
     }
 
-    fn collapsed(&mut self, surface: &Surface, pair: Pair) {
+    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         self.stars.update(surface, pair.kept);
     }
 }

@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::lanes::Lanes;
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -111,7 +111,7 @@ impl ErrorMetric for Quadric {
         "quadric"
     }
 
-    fn begin(&mut self, surface: &Surface, batch: Batch) {
+    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
         self.verified = batch.verified;
         if batch.index == 0 || self.quadrics.len() != surface.point_count() {
             self.quadrics = point_quadrics(surface);
@@ -119,7 +119,7 @@ impl ErrorMetric for Quadric {
     }
 
     #[inline]
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position);
         let lost = self.quadrics[pair.lost as usize].at(x - surface.at(pair.lost));
         let kept = self.quadrics[pair.kept as usize].at(x - surface.at(pair.kept));
@@ -130,7 +130,7 @@ impl ErrorMetric for Quadric {
     /// the area behind it: half-way between the sum and the mean of squared distances, which puts collapses of large
     /// smooth parts before those of small features of the same sum, and measures 2 to 5 % better on coarse levels.
     #[inline]
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let quadric = &self.quadrics[pair.lost as usize];
         let way = surface.at(pair.kept) - surface.at(pair.lost);
         let sum = quadric.at(way) + LENGTH_WEIGHT * way.length_squared().powi(2);
@@ -139,7 +139,7 @@ impl ErrorMetric for Quadric {
 
     /// The same, four at a time.
     #[inline]
-    fn costs_at_kept(&self, surface: &Surface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         let quadric = &self.quadrics[lost as usize];
         let at = surface.at(lost);
         let scale = if self.verified { 1.0 } else { quadric.evenness() };
@@ -154,25 +154,25 @@ impl ErrorMetric for Quadric {
     }
 
     /// A triangle counts at each of its corners with twice its area: six times the integral.
-    fn cost_per_deviation(&self, _: &Surface, pair: Pair) -> Option<f32> {
+    fn cost_per_deviation(&self, _: &WorkingSurface, pair: Pair) -> Option<f32> {
         let evenness = if self.verified { 1.0 } else { self.quadrics[pair.lost as usize].evenness() };
         Some(6.0 * evenness)
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
     /// Sums of twice the area times squares, as the attributes' are; or, where the kept point stays, what becomes of
     /// them here.
-    fn attribute_cost(&self, _: &Surface, pair: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, _: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         let even = off.added && !self.verified;
         off.sum * if even { self.quadrics[pair.lost as usize].evenness() } else { 1.0 }
     }
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {
@@ -187,7 +187,7 @@ impl ErrorMetric for Quadric {
         Some((x.into(), a.at(x - lost) + b.at(x - kept) + attributes.at(x.into()).sum))
     }
 
-    fn collapsing(&mut self, surface: &Surface, pair: Pair, position: [f32; 3]) {
+    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
         let x = Vec3::from(position);
         let lost = self.quadrics[pair.lost as usize].moved(x - surface.at(pair.lost));
         let kept = &mut self.quadrics[pair.kept as usize];
@@ -201,7 +201,7 @@ impl ErrorMetric for Quadric {
 }
 
 /// The quadric of every point of a surface, relative to the point.
-fn point_quadrics(surface: &Surface) -> Vec<PlaneQuadric> {
+fn point_quadrics(surface: &WorkingSurface) -> Vec<PlaneQuadric> {
     let mut quadrics = vec![PlaneQuadric::default(); surface.point_count()];
     for triangle in 0..surface.triangle_count() as u32 {
         let Some(points) = surface.triangle(triangle) else { continue };

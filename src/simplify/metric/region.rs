@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, ErrorMetric, Pair};
 use crate::simplify::curves::Rim;
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// One triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
 #[derive(Debug, Clone, Copy)]
@@ -41,19 +41,19 @@ impl Facet {
 
 /// Calls `visit` with the triangles around the lost point; those on the edge do not survive.
 #[inline]
-pub(super) fn for_lost(surface: &Surface, pair: Pair, visit: impl FnMut(Facet)) {
+pub(super) fn for_lost(surface: &WorkingSurface, pair: Pair, visit: impl FnMut(Facet)) {
     for_star(surface, pair.lost, pair.kept, true, visit);
 }
 
 /// Calls `visit` with the triangles around either point, each once.
 #[inline]
-pub(super) fn for_region(surface: &Surface, pair: Pair, mut visit: impl FnMut(Facet)) {
+pub(super) fn for_region(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(Facet)) {
     for_star(surface, pair.lost, pair.kept, true, &mut visit);
     for_star(surface, pair.kept, pair.lost, false, visit);
 }
 
 #[inline]
-fn for_star(surface: &Surface, point: u32, other: u32, on_edge: bool, mut visit: impl FnMut(Facet)) {
+fn for_star(surface: &WorkingSurface, point: u32, other: u32, on_edge: bool, mut visit: impl FnMut(Facet)) {
     let p = at(surface, point);
     for corner in surface.star(point) {
         let survives = !corner.others.contains(&other);
@@ -66,13 +66,13 @@ fn for_star(surface: &Surface, point: u32, other: u32, on_edge: bool, mut visit:
 
 /// The position of a point in double precision.
 #[inline]
-pub(super) fn at(surface: &Surface, point: u32) -> DVec3 {
+pub(super) fn at(surface: &WorkingSurface, point: u32) -> DVec3 {
     surface.at(point).as_dvec3()
 }
 
 /// Calls `visit` with the ends of every border edge at either point that the collapse moves, as its triangle runs
 /// through it, each once; the edge between the two is among them where it is one.
-pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
+pub(super) fn for_border_edges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if !surface.is_border(point) {
             continue;
@@ -94,7 +94,7 @@ pub(super) fn for_border_edges(surface: &Surface, pair: Pair, mut visit: impl Fn
 
 /// Calls `visit` with the ends of every rim at either point that the collapse moves, each once: borders, non-manifold
 /// edges, borders between materials, creases and seams. The edge between the two is among them where it is one.
-pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3, Rim)) {
+pub(super) fn for_rims(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3, Rim)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if surface.is_on_curve(point) {
             surface.for_rims(point, |end, rim| {
@@ -110,7 +110,7 @@ pub(super) fn for_rims(surface: &Surface, pair: Pair, mut visit: impl FnMut(DVec
 const SEAM: f64 = 0.1;
 
 /// The area that rims sweep, seams a tenth of theirs, when both points go to `x`; those of the kept point sweep none where that stays.
-pub(super) fn swept_by_rims(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
+pub(super) fn swept_by_rims(surface: &WorkingSurface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
         for_rims(surface, pair, |p, q, rim| {
@@ -123,7 +123,7 @@ pub(super) fn swept_by_rims(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
 
 /// Length of a candidate's edge.
 #[inline]
-pub(super) fn length(surface: &Surface, pair: Pair) -> f64 {
+pub(super) fn length(surface: &WorkingSurface, pair: Pair) -> f64 {
     (at(surface, pair.kept) - at(surface, pair.lost)).length()
 }
 
@@ -136,7 +136,7 @@ pub(super) fn finite(cost: f64) -> f32 {
 /// The cheapest of a few places for the merged point, for metrics whose minimum has no formula: its ends, the middle,
 /// and where the swept volume is least in the square sense.
 pub(super) fn cheapest_place(
-    surface: &Surface,
+    surface: &WorkingSurface,
     pair: Pair,
     cost: impl Fn([f32; 3]) -> f32,
 ) -> Option<([f32; 3], f32)> {
@@ -155,7 +155,7 @@ pub(super) fn cheapest_place(
 /// The same, with attributes at the metric's own exchange rate.
 pub(super) fn cheapest_place_with(
     metric: &impl ErrorMetric,
-    surface: &Surface,
+    surface: &WorkingSurface,
     pair: Pair,
     attributes: &AttributeQuadric,
 ) -> Option<([f32; 3], f32)> {
@@ -166,7 +166,7 @@ pub(super) fn cheapest_place_with(
 
 /// Where the sum of squared volumes between the point and the region's triangles is least; near the middle of the edge
 /// as far as that leaves a choice.
-fn least_volume(surface: &Surface, pair: Pair) -> Vec3 {
+fn least_volume(surface: &WorkingSurface, pair: Pair) -> Vec3 {
     let origin = at(surface, pair.lost);
     let middle = 0.5 * (at(surface, pair.kept) - origin);
     let (mut h, mut gradient) = (Symmetric::ZERO, DVec3::ZERO);

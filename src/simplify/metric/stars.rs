@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// How much the plane of a triangle counts, as a length for its normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,7 +71,7 @@ impl Sum {
 
 /// The sums around every point.
 #[derive(Debug, Clone)]
-pub(super) struct Stars {
+pub(super) struct StarSums {
     /// `m` of every triangle. Single precision: its direction is as sure as the corners are.
     normals: Vec<Vec3>,
     stars: Vec<Star>,
@@ -80,13 +80,13 @@ pub(super) struct Stars {
     upright: f64,
 }
 
-impl Stars {
+impl StarSums {
     pub fn new(weight: Weight, upright: f64) -> Self {
         Self { normals: Vec::new(), stars: Vec::new(), weight, upright }
     }
 
     /// Sums up every star. O(n).
-    pub fn build(&mut self, surface: &Surface) {
+    pub fn build(&mut self, surface: &WorkingSurface) {
         let normal = |t: u32| {
             let points = surface.triangle(t).map(|points| points.map(|p| at(surface, p)));
             points.map_or(Vec3::ZERO, |[p, q, r]| self.weight.apply((q - p).cross(r - p)).as_vec3())
@@ -106,7 +106,7 @@ impl Stars {
     }
 
     /// Sums up anew what a collapse into `kept` changed: its own star and those of its neighbours.
-    pub fn update(&mut self, surface: &Surface, kept: u32) {
+    pub fn update(&mut self, surface: &WorkingSurface, kept: u32) {
         let p = at(surface, kept);
         for corner in surface.star(kept) {
             let [a, b] = corner.others.map(|o| at(surface, o) - p);
@@ -117,7 +117,7 @@ impl Stars {
     }
 
     #[inline]
-    fn sum(&self, surface: &Surface, point: u32) -> Star {
+    fn sum(&self, surface: &WorkingSurface, point: u32) -> Star {
         let mut star = Star::default();
         for triangle in surface.star_triangles(point) {
             let normal = self.normals[triangle as usize].as_dvec3();
@@ -143,7 +143,7 @@ impl Stars {
     }
 
     /// The plane through an edge, upright on one of its triangles.
-    fn upright(&self, surface: &Surface, point: u32, other: u32, triangle: u32) -> Symmetric {
+    fn upright(&self, surface: &WorkingSurface, point: u32, other: u32, triangle: u32) -> Symmetric {
         let edge = at(surface, other) - at(surface, point);
         let normal = self.normals[triangle as usize].as_dvec3();
         let mut planes = Symmetric::ZERO;
@@ -153,7 +153,7 @@ impl Stars {
 
     /// The sums of a candidate's region.
     #[inline]
-    pub fn region(&self, surface: &Surface, pair: Pair) -> Sum {
+    pub fn region(&self, surface: &WorkingSurface, pair: Pair) -> Sum {
         let (lost, kept) = (&self.stars[pair.lost as usize], &self.stars[pair.kept as usize]);
         let edge = at(surface, pair.kept) - at(surface, pair.lost);
         let mut h = lost.planes;

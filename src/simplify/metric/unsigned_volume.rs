@@ -17,7 +17,7 @@ use super::region::{
     at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
 #[derive(Debug, Clone, Copy, Default)]
@@ -31,14 +31,14 @@ impl UnsignedVolume {
 }
 
 /// The unsigned volume swept when both points go to `x`.
-pub(super) fn swept(surface: &Surface, pair: Pair, x: DVec3) -> f64 {
+pub(super) fn swept(surface: &WorkingSurface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     for_region(surface, pair, |facet| sum += facet.cross().dot(x - facet.p).abs());
     sum / 6.0
 }
 
 /// The same where `lost` goes to `kept`: the triangles around `kept` sweep nothing.
-pub(super) fn swept_to_kept(surface: &Surface, pair: Pair) -> f64 {
+pub(super) fn swept_to_kept(surface: &WorkingSurface, pair: Pair) -> f64 {
     let x = at(surface, pair.kept);
     let mut sum = 0.0;
     for_lost(surface, pair, |facet| sum += facet.cross().dot(x - facet.p).abs());
@@ -50,30 +50,30 @@ impl ErrorMetric for UnsignedVolume {
         "unsigned-volume"
     }
 
-    fn begin(&mut self, _: &Surface, _: Batch) {}
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         finite(swept(surface, pair, x) + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let rims = swept_by_rims(surface, pair, at(surface, pair.kept));
         finite(swept_to_kept(surface, pair) + length(surface, pair) * rims)
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
     /// The volume between the surface and one that is off by as much.
-    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         finite(off.volume())
     }
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {

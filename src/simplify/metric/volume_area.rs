@@ -17,7 +17,7 @@ use super::region::{
     Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
-use crate::simplify::surface::Surface;
+use crate::simplify::surface::WorkingSurface;
 
 /// The penalty of TOM: volume and area change, made for [`Placement::Endpoint`](crate::simplify::Placement::Endpoint).
 #[derive(Debug, Clone, Copy, Default)]
@@ -65,7 +65,7 @@ impl Change {
     }
 }
 
-fn penalty(surface: &Surface, pair: Pair, change: &Change, x: DVec3) -> f32 {
+fn penalty(surface: &WorkingSurface, pair: Pair, change: &Change, x: DVec3) -> f32 {
     let length = length(surface, pair);
     let rims = 2.0 * swept_by_rims(surface, pair, x);
     let volumes = change.volume + SIGNED * change.signed.abs();
@@ -78,28 +78,28 @@ impl ErrorMetric for VolumeArea {
         "volume-area"
     }
 
-    fn begin(&mut self, _: &Surface, _: Batch) {}
+    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
 
-    fn cost(&self, surface: &Surface, pair: Pair, position: [f32; 3]) -> f32 {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         let mut change = Change::default();
         for_region(surface, pair, |facet| change.add(&facet, x));
         penalty(surface, pair, &change, x)
     }
 
-    fn cost_at_kept(&self, surface: &Surface, pair: Pair) -> f32 {
+    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let x = at(surface, pair.kept);
         let mut change = Change::default();
         for_lost(surface, pair, |facet| change.add(&facet, x));
         penalty(surface, pair, &change, x)
     }
 
-    fn optimum(&self, surface: &Surface, pair: Pair) -> Option<([f32; 3], f32)> {
+    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
     /// The volume between the surface and one that is off by as much to one side: swept, and as a signed change.
-    fn attribute_cost(&self, _: &Surface, _: Pair, off: AttributeSum) -> f32 {
+    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         finite((1.0 + SIGNED) * off.volume())
     }
 
@@ -114,7 +114,7 @@ impl ErrorMetric for VolumeArea {
 
     fn optimum_with(
         &self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
     ) -> Option<([f32; 3], f32)> {

@@ -16,7 +16,7 @@
 
 use crate::mesh::NONE;
 
-use super::complex::{Complex, Surface};
+use super::complex::{Complex, FaceComplex};
 use super::label::{CENTRE, Labels, Refusal, STATES};
 use super::stop::Stop;
 
@@ -32,7 +32,7 @@ pub(super) struct Coarsening {
 /// Coarsens a connected complex by the first assumption, from the given one on, that holds. O(n).
 pub(super) fn coarsen(
     complex: &Complex,
-    surface: &Surface,
+    surface: &FaceComplex,
     labels: &mut Labels,
     from: u8,
 ) -> Result<Coarsening, Stop> {
@@ -58,7 +58,7 @@ pub(super) fn coarsen(
 /// Makes the coarse complex from labelled faces.
 fn group(
     complex: &Complex,
-    surface: &Surface,
+    surface: &FaceComplex,
     labels: &Labels,
     assumption: u8,
 ) -> Result<Coarsening, Refusal> {
@@ -119,7 +119,7 @@ impl Group {
         complex.corners.as_flattened()[turned(self.children[child], k)]
     }
 
-    fn check(&self, complex: &Complex, surface: &Surface) -> Result<(), Stop> {
+    fn check(&self, complex: &Complex, surface: &FaceComplex) -> Result<(), Stop> {
         let triangle_of = |child: usize| complex.lowest[(self.children[child] / 3) as usize];
         let triangle = triangle_of(3);
         let [a, b, c] = [0, 1, 2].map(|child| surface.point(self.corner(complex, child, 0)));

@@ -13,7 +13,7 @@ use crate::mesh::NONE;
 
 /// What all levels of all components share.
 #[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(super) struct FaceComplex<'a> {
     /// The point of every input vertex.
     pub point_of: &'a [u32],
     /// Per input triangle, or empty.
@@ -22,7 +22,7 @@ pub(super) struct Surface<'a> {
     pub across_seams: bool,
 }
 
-impl Surface<'_> {
+impl FaceComplex<'_> {
     pub fn point(&self, wedge: u32) -> u32 {
         self.point_of[wedge as usize]
     }

@@ -13,7 +13,7 @@
 //! So there are four assumptions about a component, one for each state of its first face. Each is followed breadth
 //! first to the end or to the first contradiction, in time linear in the faces it reaches.
 
-use super::complex::{Complex, Surface};
+use super::complex::{Complex, FaceComplex};
 use super::stop::Stop;
 
 /// The state of a centre. States 0, 1 and 2 are those of a corner face, after the corner that is an old vertex.
@@ -44,7 +44,7 @@ impl Labels {
     }
 
     /// Labels all faces of a connected complex from the state of the first.
-    pub fn spread(&mut self, complex: &Complex, surface: &Surface, first: u8) -> Result<(), Refusal> {
+    pub fn spread(&mut self, complex: &Complex, surface: &FaceComplex, first: u8) -> Result<(), Refusal> {
         self.queue.drain(..).for_each(|face| self.state[face as usize] = UNKNOWN);
         if self.state.len() < complex.face_count() {
             self.state.resize(complex.face_count(), UNKNOWN);
@@ -65,7 +65,7 @@ impl Labels {
 
     /// Takes the state of a face over one of its sides. Where many faces meet, to the next in the ring only: that one
     /// passes it on, and the last one's word comes back to the first.
-    fn cross(&mut self, complex: &Complex, surface: &Surface, face: u32, side: u32) -> Result<(), Stop> {
+    fn cross(&mut self, complex: &Complex, surface: &FaceComplex, face: u32, side: u32) -> Result<(), Stop> {
         let state = self.state(face);
         let half_edge = 3 * face + side;
         let other = complex.next(half_edge);

@@ -43,7 +43,7 @@ use crate::mesh::{Edges, Mesh, NONE, Topology};
 
 use super::Quadrisection;
 use coarsen::{Coarsening, coarsen};
-use complex::{Complex, Surface};
+use complex::{Complex, FaceComplex};
 use label::Labels;
 use pieces::Pieces;
 
@@ -129,8 +129,9 @@ fn find(mesh: &Mesh, across_seams: bool) -> Recognition {
     let mut cutter = Cutter { mesh, topology: &topology, sides: &sides, own_number: vec![NONE; edges.len()] };
     drop(edges);
 
-    let surface = Surface { point_of: topology.point_of(), materials: mesh.materials(), across_seams: false };
-    let across = Surface { across_seams: true, ..surface };
+    let surface =
+        FaceComplex { point_of: topology.point_of(), materials: mesh.materials(), across_seams: false };
+    let across = FaceComplex { across_seams: true, ..surface };
     let mut tower = Tower::new(triangles as u32);
     let mut labels = Labels::default();
     let mut components = Vec::new();
@@ -233,7 +234,7 @@ impl Tower {
     fn raise(
         &mut self,
         complex: Complex,
-        surface: &Surface,
+        surface: &FaceComplex,
         labels: &mut Labels,
         roots: &mut Vec<u32>,
     ) -> (u32, Stop) {
@@ -315,7 +316,7 @@ impl Level {
 }
 
 /// The first coarsening after the one taken that can itself be coarsened.
-fn other_way(below: &Complex, surface: &Surface, labels: &mut Labels, taken: u8) -> Option<Coarsening> {
+fn other_way(below: &Complex, surface: &FaceComplex, labels: &mut Labels, taken: u8) -> Option<Coarsening> {
     let mut from = taken + 1;
     while let Ok(other) = coarsen(below, surface, labels, from) {
         if coarsen(&other.coarse, surface, labels, 0).is_ok() {

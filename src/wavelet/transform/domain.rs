@@ -69,7 +69,7 @@ impl Domain {
         for level in 1..=of.depth() {
             for wavelet in of.wavelets_of(level) {
                 let own = of.vertex_of(wavelet);
-                for vertex in std::iter::once(own).chain(of.doubles_of(wavelet)) {
+                for vertex in std::iter::once(own).chain(of.seam_vertices_of(wavelet)) {
                     if whole && vertex != own {
                         node_of[vertex as usize] = node_of[own as usize];
                         continue;

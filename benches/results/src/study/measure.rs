@@ -105,11 +105,11 @@ impl<'a> Model<'a> {
     fn simplify(&self, name: &str, place: Placement) -> Result<(CollapseSequence, Clock), Box<dyn Error>> {
         let metric = metric::by_name(name).ok_or_else(|| format!("no metric is named {name}"))?;
         let last = self.asked(self.options.steps.saturating_sub(1));
-        // The order of collapses alone is wanted, and travel is the measure of error that costs least.
+        // The order of collapses alone is wanted, and the parametric measure of error costs least.
         let mut simplifier = Simplifier::new()
             .metric(metric)
             .placement(place)
-            .error_measure(ErrorMeasure::Travel)
+            .error_measure(ErrorMeasure::Parametric)
             .target(Target::Triangles(last));
         // Whatever else the machine does only makes a run slower.
         let mut fastest = Clock::run(&mut simplifier, self.mesh)?;

@@ -2,26 +2,26 @@
 
 use crate::view::{Criterion, Motion};
 
-use super::balance::Budget;
+use super::budget::Budget;
 use super::change::Change;
 use super::cut::Cut;
-use super::follow::{Follow, Limits, Picture};
 use super::refinements::Refinements;
+use super::transitions::{Limits, RefinementSink, Transitions};
 
 /// What a level of detail with limits, or with vertices that move, keeps besides its cut.
 #[derive(Debug, Clone)]
-pub(crate) struct Pace {
+pub(crate) struct FrameLimits {
     operations: usize,
     triangles: usize,
     budget: Option<Budget>,
-    follow: Follow,
+    transitions: Transitions,
 }
 
-impl Pace {
+impl FrameLimits {
     /// Where the cut is what is shown, in so many triangles. `moves`: whether vertices may move.
     pub fn new<R: Refinements + ?Sized>(of: &R, cut: &Cut, triangles: usize, moves: bool) -> Self {
-        let follow = Follow::new(of, |r| cut.holds(r), triangles, moves);
-        Self { operations: usize::MAX, triangles: usize::MAX, budget: None, follow }
+        let transitions = Transitions::new(of, |r| cut.holds(r), triangles, moves);
+        Self { operations: usize::MAX, triangles: usize::MAX, budget: None, transitions }
     }
 
     /// Sets the limits of triangles and of operations. The cut has `at_cut` triangles.
@@ -36,7 +36,7 @@ impl Pace {
 
     /// Whether a refinement is shown.
     pub fn shows(&self, r: u32) -> bool {
-        self.follow.shows(r)
+        self.transitions.shows(r)
     }
 
     /// One frame: vertices go on by `progress`, the cut moves to what the criterion needs within the budget, and the picture
@@ -45,55 +45,57 @@ impl Pace {
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         (of, cut): (&R, &mut Cut),
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
         criterion: &C,
         motion: Motion,
         progress: f32,
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change {
-        let Self { operations, triangles, budget, follow } = self;
-        follow.advance(progress, picture);
+        let Self { operations, triangles, budget, transitions } = self;
+        transitions.advance(progress, sink);
         let mut report = match budget {
-            Some(budget) => budget.update(cut, of, criterion, motion, cost, |r, comes| follow.want(r, comes)),
-            None => cut.update(of, criterion, motion, |_, r, comes| follow.want(r, comes)),
+            Some(budget) => {
+                budget.update(cut, of, criterion, motion, cost, |r, comes| transitions.want(r, comes))
+            }
+            None => cut.update(of, criterion, motion, |_, r, comes| transitions.want(r, comes)),
         };
         let smooth = progress < 1.0;
         let limits = Limits { operations: *operations, triangles: *triangles, smooth };
         let sees = |r: u32| criterion.sees(&of.bounds(r));
-        let (splits, collapses) = follow.run(of, limits, sees, picture);
+        let (splits, collapses) = transitions.run(of, limits, sees, sink);
         (report.splits, report.collapses) = (splits, collapses);
-        if follow.triangles() > *triangles && follow.pending() > 0 {
+        if transitions.triangles() > *triangles && transitions.pending() > 0 {
             // The number of triangles was lowered: that cannot wait.
-            let (splits, collapses) = settle(follow, of, picture);
+            let (splits, collapses) = settle(transitions, of, sink);
             report.splits += splits;
             report.collapses += collapses;
         }
         Change {
             cut: report,
-            triangles: follow.triangles(),
-            pending: follow.pending(),
-            moving: follow.transitions(),
-            over_budget: follow.triangles() > *triangles,
+            triangles: transitions.triangles(),
+            pending: transitions.pending(),
+            moving: transitions.transitions(),
+            over_budget: transitions.triangles() > *triangles,
         }
     }
 
     /// Shows what is wanted, at once.
-    pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, picture: &mut impl Picture) {
-        settle(&mut self.follow, of, picture);
+    pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
+        settle(&mut self.transitions, of, sink);
     }
 
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
-        self.follow.memory() + self.budget.as_ref().map_or(0, Budget::memory)
+        self.transitions.memory() + self.budget.as_ref().map_or(0, Budget::memory)
     }
 }
 
 /// The numbers that came and went.
 fn settle<R: Refinements + ?Sized>(
-    follow: &mut Follow,
+    transitions: &mut Transitions,
     of: &R,
-    picture: &mut impl Picture,
+    sink: &mut impl RefinementSink,
 ) -> (usize, usize) {
-    follow.advance(1.0, picture);
-    follow.run(of, Limits::NONE, |_| false, picture)
+    transitions.advance(1.0, sink);
+    transitions.run(of, Limits::NONE, |_| false, sink)
 }

@@ -13,7 +13,7 @@ use super::subdivision::Subdivision;
 
 /// Counts of a set of wavelets that is closed under parents.
 #[derive(Debug, Clone)]
-pub(super) struct Tally {
+pub(super) struct UseCounts {
     exact: bool,
     /// Per split face its sides with a wavelet of the set.
     set: Vec<u8>,
@@ -22,19 +22,19 @@ pub(super) struct Tally {
 }
 
 /// What a change of the set led to.
-pub(super) trait Witness {
+pub(super) trait UseSink {
     /// The vertex of a wavelet came into use, or went out of it.
     fn used(&mut self, wavelet: u32);
     /// A face was split or joined, or lost or got a corner.
     fn turned(&mut self, face: u32);
 }
 
-impl Witness for () {
+impl UseSink for () {
     fn used(&mut self, _: u32) {}
     fn turned(&mut self, _: u32) {}
 }
 
-impl Tally {
+impl UseCounts {
     /// The empty set.
     pub fn new(subdivision: &Subdivision, triangulation: Triangulation) -> Self {
         Self {
@@ -84,16 +84,10 @@ impl Tally {
     }
 
     /// Takes in that a wavelet comes into the set or goes. By how many triangles that changes what is drawn.
-    pub fn change(
-        &mut self,
-        of: &Subdivision,
-        wavelet: u32,
-        comes: bool,
-        witness: &mut impl Witness,
-    ) -> usize {
+    pub fn change(&mut self, of: &Subdivision, wavelet: u32, comes: bool, sink: &mut impl UseSink) -> usize {
         let mut triangles = 0;
         if !comes {
-            triangles += self.unuse(of, wavelet, witness);
+            triangles += self.unuse(of, wavelet, sink);
         }
         for along in of.faces_along(wavelet) {
             let face = along.face();
@@ -107,38 +101,38 @@ impl Tally {
                 continue;
             }
             if !self.exact {
-                witness.turned(face);
+                sink.turned(face);
             } else if before.min(after) == 0 {
-                witness.turned(face);
+                sink.turned(face);
                 for side in of.sides_of_split(face) {
                     triangles +=
-                        if comes { self.make_use(of, side, witness) } else { self.unuse(of, side, witness) };
+                        if comes { self.make_use(of, side, sink) } else { self.unuse(of, side, sink) };
                 }
             }
         }
         if comes {
-            triangles += self.make_use(of, wavelet, witness);
+            triangles += self.make_use(of, wavelet, sink);
         }
         triangles
     }
 
-    fn make_use(&mut self, of: &Subdivision, wavelet: u32, witness: &mut impl Witness) -> usize {
+    fn make_use(&mut self, of: &Subdivision, wavelet: u32, sink: &mut impl UseSink) -> usize {
         let users = &mut self.users[wavelet as usize];
         *users += 1;
         if *users > 1 {
             return 0;
         }
-        witness.used(wavelet);
+        sink.used(wavelet);
         of.width(wavelet)
     }
 
-    fn unuse(&mut self, of: &Subdivision, wavelet: u32, witness: &mut impl Witness) -> usize {
+    fn unuse(&mut self, of: &Subdivision, wavelet: u32, sink: &mut impl UseSink) -> usize {
         let users = &mut self.users[wavelet as usize];
         *users -= 1;
         if *users > 0 {
             return 0;
         }
-        witness.used(wavelet);
+        sink.used(wavelet);
         of.width(wavelet)
     }
 

@@ -1,4 +1,4 @@
-//! How far the input's curves lie from a level's, and the other way: what `witness.rs` is for the surface.
+//! How far the input's curves lie from a level's, and the other way: what `tracked_samples.rs` is for the surface.
 //!
 //! ```text
 //!        input      a--b--c--d--e        Points that a curve has lost hang on the edge of its image that they are
@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::mesh::NONE;
 
 use super::metric::Pair;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Edges of the kept point that are looked at where it stays: with more, it is a hub.
 const MOST_KEPT: usize = 16;
@@ -27,7 +27,7 @@ const ALONG: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Which edge of the image each lost point of a curve hangs on.
 #[derive(Debug, Clone, Default)]
-pub(super) struct CurveWitnesses {
+pub(super) struct CurveSamples {
     /// The curve point that each point was in the input, or none.
     number: Vec<u32>,
     /// Per curve point, and so are the next four.
@@ -75,9 +75,9 @@ pub(super) struct CurveChange {
     pub added: f32,
 }
 
-impl CurveWitnesses {
+impl CurveSamples {
     /// No point hangs anywhere yet.
-    pub fn new(surface: &Surface) -> Self {
+    pub fn new(surface: &WorkingSurface) -> Self {
         let curves = surface.curves();
         if curves.is_empty() {
             return Self::default();
@@ -110,12 +110,12 @@ impl CurveWitnesses {
 
     /// Whether merging `pair` at `x` touches a curve.
     #[inline]
-    pub fn concerns(&self, surface: &Surface, pair: Pair, x: Vec3) -> bool {
+    pub fn concerns(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> bool {
         surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) && surface.at(pair.kept) != x
     }
 
     /// What merging `pair` at `x` would do.
-    pub fn measure(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> CurveChange {
+    pub fn measure(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> CurveChange {
         self.spread(surface, pair, x);
         self.gather(surface, pair, x);
         let mut change = CurveChange::default();
@@ -132,7 +132,7 @@ impl CurveWitnesses {
     }
 
     /// The same, just before the merge is done: what hung on edges that change is handed over.
-    pub fn hand_over(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> CurveChange {
+    pub fn hand_over(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> CurveChange {
         self.spread(surface, pair, x);
         self.gather(surface, pair, x);
         self.cut_off(surface, pair, x);
@@ -157,7 +157,7 @@ impl CurveWitnesses {
     }
 
     /// The edges that will be around the merged point, those that change first.
-    fn spread(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+    fn spread(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         let curves = surface.curves();
         let moves = surface.at(pair.kept) != x;
         self.spokes.clear();
@@ -193,7 +193,7 @@ impl CurveWitnesses {
     }
 
     /// The points that the merge leaves hanging nowhere.
-    fn gather(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+    fn gather(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         self.loose.clear();
         let moves = surface.at(pair.kept) != x;
         for point in [Some(pair.lost), moves.then_some(pair.kept)].into_iter().flatten() {
@@ -213,7 +213,7 @@ impl CurveWitnesses {
         }
     }
 
-    fn cut_off(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+    fn cut_off(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         let moves = surface.at(pair.kept) != x;
         for point in [Some(pair.lost), moves.then_some(pair.kept)].into_iter().flatten() {
             surface.curves().around(point).for_each(|[edge, _]| self.on_edge[edge as usize] = NONE);
@@ -248,7 +248,7 @@ impl CurveWitnesses {
 
     /// The largest squared distance of a point along a new edge from the input's edges at what hangs on it and at its
     /// ends.
-    fn way_back(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+    fn way_back(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let stays = surface.at(pair.kept) == x;
         let near = [self.number[pair.lost as usize], self.number[pair.kept as usize]];
         let mut worst: f32 = 0.0;

@@ -7,40 +7,40 @@
 use glam::Vec3;
 
 use super::metric::Pair;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Per point the largest distance of an input point merged into it, inner units.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Travel {
+pub(super) struct ParametricError {
     reach: Vec<f32>,
 }
 
-impl Travel {
-    pub fn new(surface: &Surface) -> Self {
+impl ParametricError {
+    pub fn new(surface: &WorkingSurface) -> Self {
         Self { reach: vec![0.0; surface.point_count()] }
     }
 
     /// The reach of the merged point, by the triangle inequality; rounded up.
-    pub fn measure(&self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+    pub fn measure(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let of = |point: u32| self.reach[point as usize] + surface.at(point).distance(x) * (1.0 + 1e-6);
         of(pair.lost).max(of(pair.kept))
     }
 
     /// Takes the merge down.
-    pub fn merge(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> f32 {
+    pub fn merge(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let reach = self.measure(surface, pair, x);
         self.reach[pair.kept as usize] = reach;
         reach
     }
 
     /// The reach of `into` where points vanish that are taken for it.
-    pub fn measure_vanishing(&self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+    pub fn measure_vanishing(&self, surface: &WorkingSurface, points: &[u32], into: u32) -> f32 {
         let pairs = points.iter().map(|&lost| Pair { lost, kept: into });
         pairs.map(|pair| self.measure(surface, pair, surface.at(into))).fold(0.0, f32::max)
     }
 
     /// Takes that down.
-    pub fn vanish(&mut self, surface: &Surface, points: &[u32], into: u32) -> f32 {
+    pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32], into: u32) -> f32 {
         let reach = self.measure_vanishing(surface, points, into);
         self.reach[into as usize] = reach;
         reach

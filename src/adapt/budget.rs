@@ -65,11 +65,11 @@ struct Coarsened<'a, C: ?Sized> {
 }
 
 impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Coarsened<'_, C> {
-    fn needs(&self, bounds: &B) -> Answer {
+    fn test(&self, bounds: &B) -> Answer {
         if self.factor > 1.0 {
-            self.criterion.needs_at(bounds, self.factor)
+            self.criterion.test_at(bounds, self.factor)
         } else {
-            self.criterion.needs(bounds)
+            self.criterion.test(bounds)
         }
     }
 
@@ -281,7 +281,7 @@ mod tests {
             (2 * r + 1..2 * r + 3).filter(|&child| child < self.0)
         }
 
-        fn needs(&self, _: u32) -> impl Iterator<Item = u32> {
+        fn dependencies(&self, _: u32) -> impl Iterator<Item = u32> {
             std::iter::empty()
         }
     }
@@ -293,7 +293,7 @@ mod tests {
     }
 
     impl Criterion<u32> for Towards {
-        fn needs(&self, r: &u32) -> Answer {
+        fn test(&self, r: &u32) -> Answer {
             Answer::once(self.urgency(r) > 1.0)
         }
 

@@ -17,7 +17,7 @@ use crate::mesh::NONE;
 use super::refinements::Refinements;
 
 /// The mesh that shows refinements, and whoever moves its vertices.
-pub(crate) trait Picture {
+pub(crate) trait RefinementSink {
     /// Triangles drawn.
     fn triangles(&self) -> usize;
     /// Triangles that a refinement would add now; of one that is shown and may go, those that it would take away.
@@ -69,7 +69,7 @@ struct Transition {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct Follow {
+pub(crate) struct Transitions {
     state: Vec<u8>,
     /// How many that are shown build on each, and how many of them are closing.
     held: Vec<u32>,
@@ -88,7 +88,7 @@ pub(crate) struct Follow {
     collapses: usize,
 }
 
-impl Follow {
+impl Transitions {
     /// With what is shown and wanted now, in `triangles`. `moves`: whether there may be transitions.
     pub fn new<R: Refinements + ?Sized>(
         of: &R,
@@ -97,7 +97,7 @@ impl Follow {
         moves: bool,
     ) -> Self {
         let count = of.len();
-        let mut follow = Self {
+        let mut transitions = Self {
             state: vec![0; count],
             held: vec![0; count],
             closing: if moves { vec![0; count] } else { Vec::new() },
@@ -113,10 +113,10 @@ impl Follow {
             collapses: 0,
         };
         for r in (0..count as u32).filter(|&r| shown(r)) {
-            follow.state[r as usize] = SHOWN | WANTED | AIM;
-            of.parents(r).chain(of.needs(r)).for_each(|n| follow.held[n as usize] += 1);
+            transitions.state[r as usize] = SHOWN | WANTED | AIM;
+            of.parents(r).chain(of.dependencies(r)).for_each(|n| transitions.held[n as usize] += 1);
         }
-        follow
+        transitions
     }
 
     pub fn shows(&self, r: u32) -> bool {
@@ -149,7 +149,7 @@ impl Follow {
         }
     }
 
-    /// Notes that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Follow::run`] is called;
+    /// Notes that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Transitions::run`] is called;
     /// only what it is then counts.
     pub fn want(&mut self, r: u32, wanted: bool) {
         let state = &mut self.state[r as usize];
@@ -161,7 +161,7 @@ impl Follow {
     }
 
     /// Takes in what was noted.
-    fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, picture: &mut impl Picture) {
+    fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         for at in 0..self.noted.len() {
             let r = self.noted[at];
             self.state[r as usize] &= !NOTED;
@@ -178,17 +178,17 @@ impl Follow {
             }
             if wanted && self.is(r, CLOSING) {
                 self.state[r as usize] &= !CLOSING;
-                of.parents(r).chain(of.needs(r)).for_each(|n| self.closing[n as usize] -= 1);
+                of.parents(r).chain(of.dependencies(r)).for_each(|n| self.closing[n as usize] -= 1);
                 self.start(r);
-                picture.reopen(r);
+                sink.reopen(r);
             }
         }
         self.noted.clear();
     }
 
     /// All transitions go on by a share of their way; those that have closed are called to go.
-    pub fn advance(&mut self, progress: f32, picture: &mut impl Picture) {
-        picture.advance(progress);
+    pub fn advance(&mut self, progress: f32, sink: &mut impl RefinementSink) {
+        sink.advance(progress);
         let mut i = 0;
         while i < self.transitions.len() {
             let Transition { refinement, weight } = &mut self.transitions[i];
@@ -211,14 +211,14 @@ impl Follow {
         of: &R,
         limits: Limits,
         sees: impl Fn(u32) -> bool,
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
     ) -> (usize, usize) {
-        self.take_in(of, picture);
+        self.take_in(of, sink);
         (self.splits, self.collapses) = (0, 0);
         // By turns, so that neither starves the other.
         loop {
-            let one_went = self.let_go(of, limits, &sees, picture);
-            let one_came = self.let_come(of, limits, &sees, picture);
+            let one_went = self.let_go(of, limits, &sees, sink);
+            let one_came = self.let_come(of, limits, &sees, sink);
             if !one_went && !one_came {
                 break;
             }
@@ -236,7 +236,7 @@ impl Follow {
         of: &R,
         limits: Limits,
         sees: &impl Fn(u32) -> bool,
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
     ) -> bool {
         if self.is_spent(limits) {
             return false;
@@ -250,23 +250,23 @@ impl Follow {
         let closed = self.is(r, CLOSING) && self.transition(r).is_none_or(|t| t.weight >= 1.0);
         if closed || !self.is(r, CLOSING) && (!limits.smooth || held == 0 && !sees(r)) {
             if held == 0 {
-                self.coarsen(of, r, picture);
+                self.coarsen(of, r, sink);
             }
         } else if !self.is(r, CLOSING) && held == self.closing[r as usize] {
-            self.close(of, r, picture);
+            self.close(of, r, sink);
         }
         true
     }
 
-    fn coarsen<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, picture: &mut impl Picture) {
+    fn coarsen<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
         let was_closing = self.is(r, CLOSING);
         self.end(r);
         self.state[r as usize] &= !(SHOWN | CLOSING);
         self.collapses += 1;
         self.pending -= 1;
-        self.triangles -= picture.cost(r);
-        picture.coarsen(r);
-        for n in of.parents(r).chain(of.needs(r)) {
+        self.triangles -= sink.cost(r);
+        sink.coarsen(r);
+        for n in of.parents(r).chain(of.dependencies(r)) {
             self.held[n as usize] -= 1;
             if was_closing {
                 self.closing[n as usize] -= 1;
@@ -275,11 +275,11 @@ impl Follow {
         }
     }
 
-    fn close<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, picture: &mut impl Picture) {
+    fn close<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
         self.state[r as usize] |= CLOSING;
         self.start(r);
-        picture.close(r);
-        for n in of.parents(r).chain(of.needs(r)) {
+        sink.close(r);
+        for n in of.parents(r).chain(of.dependencies(r)) {
             self.closing[n as usize] += 1;
             self.call_if_free(n);
         }
@@ -299,7 +299,7 @@ impl Follow {
         of: &R,
         limits: Limits,
         sees: &impl Fn(u32) -> bool,
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
     ) -> bool {
         let Some(&first) = self.coming.front() else { return false };
         if self.is(first, WANTED) {
@@ -312,13 +312,14 @@ impl Follow {
             if !ready {
                 self.stack.push((r, true));
                 let Self { state, stack, .. } = self;
-                let missing = of.parents(r).chain(of.needs(r)).filter(|&n| state[n as usize] & SHOWN == 0);
+                let missing =
+                    of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & SHOWN == 0);
                 stack.extend(missing.map(|n| (n, false)));
-            } else if self.is_spent(limits) || self.triangles + picture.cost(r) > limits.triangles {
+            } else if self.is_spent(limits) || self.triangles + sink.cost(r) > limits.triangles {
                 self.stack.clear();
                 return false;
             } else {
-                self.refine(of, r, limits.smooth && sees(r), picture);
+                self.refine(of, r, limits.smooth && sees(r), sink);
             }
         }
         self.coming.pop_front();
@@ -331,15 +332,15 @@ impl Follow {
         of: &R,
         r: u32,
         smoothly: bool,
-        picture: &mut impl Picture,
+        sink: &mut impl RefinementSink,
     ) {
         self.state[r as usize] |= SHOWN;
         self.splits += 1;
         self.pending -= 1;
-        self.triangles += picture.cost(r);
-        of.parents(r).chain(of.needs(r)).for_each(|n| self.held[n as usize] += 1);
+        self.triangles += sink.cost(r);
+        of.parents(r).chain(of.dependencies(r)).for_each(|n| self.held[n as usize] += 1);
         let state = &self.state;
-        picture.refine(r, smoothly, |other| state[other as usize] & SHOWN != 0);
+        sink.refine(r, smoothly, |other| state[other as usize] & SHOWN != 0);
         if smoothly {
             self.start(r);
         }

@@ -1,19 +1,19 @@
 //! What is drawn, as the cut moves it: splits and collapses of the surface, and vertices that move with them.
 
-use crate::adapt::Picture;
+use crate::adapt::RefinementSink;
 use crate::lod::Vertex;
 
 use super::vertices::Vertices;
-use super::{Surface, VertexHierarchy};
+use super::{CutSurface, VertexHierarchy};
 
 /// What is drawn, and where.
-pub(super) struct Drawn<'a, V> {
+pub(super) struct Sink<'a, V> {
     pub hierarchy: &'a VertexHierarchy,
-    pub surface: &'a mut Surface,
+    pub surface: &'a mut CutSurface,
     pub vertices: &'a mut Vertices<V>,
 }
 
-impl<V: Vertex> Picture for Drawn<'_, V> {
+impl<V: Vertex> RefinementSink for Sink<'_, V> {
     fn triangles(&self) -> usize {
         self.surface.triangle_count()
     }

@@ -1,16 +1,16 @@
 //! How far the input lies from the level of detail: every input point keeps a place on the current surface.
 //!
 //! ```text
-//!          w2                   w2          A point that was merged away is a witness. It hangs on the triangle
+//!          w2                   w2          A point that was merged away is a tracked sample. It hangs on the triangle
 //!        /  | \               / . \         of the current surface that it lies over. When a collapse replaces a
-//!      w3 --u-- v    ->     w3  o  v        patch, the witnesses on the patch (and the lost point, o) are handed
+//!      w3 --u-- v    ->     w3  o  v        patch, the tracked samples on the patch (and the lost point, o) are handed
 //!        \  | /               \ . /         to the nearest new triangle, and the distance to it is taken.
 //!          w1                   w1
 //! ```
 //!
 //! The nearest triangle of the patch is at least as far as the nearest of the whole surface, so the largest distance is
 //! an upper bound for the distance of every input point from the level, and a tight one. A simplification from n
-//! points to m hands over about `3 n ln(n / m)` witnesses in all.
+//! points to m hands over about `3 n ln(n / m)` tracked samples in all.
 
 use glam::{Vec3, Vec4};
 
@@ -21,16 +21,16 @@ use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
 use super::sectors::Sectors;
-use super::surface::Surface;
+use super::surface::WorkingSurface;
 
 /// Which triangle each merged point lies over.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Witnesses {
+pub(super) struct TrackedSamples {
     /// The input's points, then middles of triangles between curves.
-    points: Vec<Witness>,
-    /// First witness on each triangle.
+    points: Vec<TrackedSample>,
+    /// First tracked sample on each triangle.
     head: Vec<u32>,
-    /// Whether each point is a witness yet.
+    /// Whether each point is a tracked sample yet.
     merged: Vec<bool>,
     fan: Vec<Group>,
     /// Where to look in a fan of more than [`FEW_SECTORS`].
@@ -41,9 +41,9 @@ pub(super) struct Witnesses {
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
-    /// Where the witnesses of a part that vanishes would go: witness, squared distance and triangle.
+    /// Where the tracked samples of a part that vanishes would go: tracked sample, squared distance and triangle.
     handed: Vec<(u32, f32, u32)>,
-    /// Squared distance of each witness when it was placed last; empty unless asked to remember.
+    /// Squared distance of each tracked sample when it was placed last; empty unless asked to remember.
     placed: Vec<f32>,
     /// Area per input point.
     share: f32,
@@ -51,7 +51,7 @@ pub(super) struct Witnesses {
 
 /// An input point, and the next one on the same triangle: side by side, since chains run all over memory.
 #[derive(Debug, Clone, Copy)]
-struct Witness {
+struct TrackedSample {
     position: Vec3,
     next: u32,
 }
@@ -91,19 +91,19 @@ impl Group {
 
 /// Fans of up to so many groups of four triangles are asked as a whole.
 const FEW_SECTORS: usize = 16;
-/// In larger ones so many groups around the direction of a witness are asked.
+/// In larger ones so many groups around the direction of a tracked sample are asked.
 const NEAR_SECTORS: usize = 4;
 /// So many points on a triangle are asked which is nearest to a place.
 const MOST_ON: usize = 32;
-/// An ear leaves its witnesses to at most this many triangles around the kept point.
+/// An ear leaves its tracked samples to at most this many triangles around the kept point.
 const EAR_TRIANGLES: usize = 64;
 
-impl Witnesses {
-    /// No point is a witness yet. To `remember` distances is needed for [`added`](Self::added).
-    pub fn new(surface: &Surface, remember: bool) -> Self {
+impl TrackedSamples {
+    /// No point is a tracked sample yet. To `remember` distances is needed for [`added`](Self::added).
+    pub fn new(surface: &WorkingSurface, remember: bool) -> Self {
         let points = surface.point_count();
-        let mut witnesses: Vec<Witness> =
-            (0..points as u32).map(|p| Witness { position: surface.at(p), next: NONE }).collect();
+        let mut samples: Vec<TrackedSample> =
+            (0..points as u32).map(|p| TrackedSample { position: surface.at(p), next: NONE }).collect();
         let mut head = vec![NONE; surface.triangle_count()];
         if !surface.curves().is_empty() || surface.is_small() {
             // Between curves there is no point to tell how far a triangle's middle comes to lie: it is one itself.
@@ -111,14 +111,14 @@ impl Witnesses {
                 let Some(corners) = surface.triangle(triangle) else { continue };
                 if surface.is_small() || corners.iter().all(|&p| surface.is_on_curve(p)) {
                     let [p, q, r] = corners.map(|p| surface.at(p));
-                    head[triangle as usize] = witnesses.len() as u32;
-                    witnesses.push(Witness { position: p + ((q - p) + (r - p)) / 3.0, next: NONE });
+                    head[triangle as usize] = samples.len() as u32;
+                    samples.push(TrackedSample { position: p + ((q - p) + (r - p)) / 3.0, next: NONE });
                 }
             }
         }
         Self {
-            placed: if remember { vec![0.0; witnesses.len()] } else { Vec::new() },
-            points: witnesses,
+            placed: if remember { vec![0.0; samples.len()] } else { Vec::new() },
+            points: samples,
             head,
             merged: vec![false; points],
             fan: Vec::new(),
@@ -149,12 +149,12 @@ impl Witnesses {
             if at == NONE {
                 break;
             }
-            let witness = &self.points[at as usize];
-            let distance = witness.position.distance_squared(place);
+            let sample = &self.points[at as usize];
+            let distance = sample.position.distance_squared(place);
             if distance < least && (at as usize) < self.merged.len() {
                 (best, least) = (Some(at), distance);
             }
-            at = witness.next;
+            at = sample.next;
         }
         best
     }
@@ -164,18 +164,18 @@ impl Witnesses {
         self.share
     }
 
-    /// The largest distance of a witness of the patch from the patch that merging `pair` at `x` would make, inner
+    /// The largest distance of a tracked sample of the patch from the patch that merging `pair` at `x` would make, inner
     /// units.
-    pub fn measure(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+    pub fn measure(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         let mut worst: f32 = 0.0;
         let heads = self.heads(surface, pair, x);
         for &head in &heads {
             let mut at = head;
             while at != NONE {
-                let witness = self.points[at as usize];
-                worst = worst.max(self.nearest(witness.position - x).0);
-                at = witness.next;
+                let sample = self.points[at as usize];
+                worst = worst.max(self.nearest(sample.position - x).0);
+                at = sample.next;
             }
         }
         self.heads = heads;
@@ -185,18 +185,18 @@ impl Witnesses {
         worst.sqrt()
     }
 
-    /// How much the integral of squared distance over the input would grow: every witness of the patch stands for an
+    /// How much the integral of squared distance over the input would grow: every tracked sample of the patch stands for an
     /// equal share of the area.
-    pub fn added(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+    pub fn added(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         let mut sum: f32 = 0.0;
         let heads = self.heads(surface, pair, x);
         for &head in &heads {
             let mut at = head;
             while at != NONE {
-                let witness = self.points[at as usize];
-                sum += self.nearest_with_sides(witness.position - x).0 - self.placed[at as usize];
-                at = witness.next;
+                let sample = self.points[at as usize];
+                sum += self.nearest_with_sides(sample.position - x).0 - self.placed[at as usize];
+                at = sample.next;
             }
         }
         self.heads = heads;
@@ -206,9 +206,9 @@ impl Witnesses {
         sum * self.share
     }
 
-    /// Hands every witness of the patch to the triangle of the new patch that it lies over, just before the collapse
+    /// Hands every tracked sample of the patch to the triangle of the new patch that it lies over, just before the collapse
     /// is done; the largest distance, inner units.
-    pub fn hand_over(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
+    pub fn hand_over(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         // The chains are cut off first: what is handed over goes onto triangles of the same patch.
         let heads = self.heads(surface, pair, x);
@@ -231,21 +231,21 @@ impl Witnesses {
         worst.sqrt()
     }
 
-    /// The largest distance to what is left, inner units, of the witnesses on a part of `points` that vanishes, and of
+    /// The largest distance to what is left, inner units, of the tracked samples on a part of `points` that vanishes, and of
     /// those points: `nearest` gives the squared distance of a position and the triangle that has it.
     pub fn measure_vanishing(
         &mut self,
-        surface: &Surface,
+        surface: &WorkingSurface,
         points: &[u32],
         mut nearest: impl FnMut(Vec3) -> (f32, u32),
     ) -> f32 {
         let mut handed = std::mem::take(&mut self.handed);
         handed.clear();
         let mut worst: f32 = 0.0;
-        let mut hand = |witnesses: &Self, witness: u32| {
-            let (distance, triangle) = nearest(witnesses.points[witness as usize].position);
+        let mut hand = |samples: &Self, sample: u32| {
+            let (distance, triangle) = nearest(samples.points[sample as usize].position);
             worst = worst.max(distance);
-            handed.push((witness, distance, triangle));
+            handed.push((sample, distance, triangle));
         };
         for &point in points {
             if !self.merged[point as usize] {
@@ -265,7 +265,7 @@ impl Witnesses {
     }
 
     /// Hands over what was measured last, just before the part vanishes; the largest distance, inner units.
-    pub fn vanish(&mut self, surface: &Surface, points: &[u32]) -> f32 {
+    pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32]) -> f32 {
         for &point in points {
             self.merged[point as usize] = true;
             for corner in surface.star(point) {
@@ -273,34 +273,34 @@ impl Witnesses {
             }
         }
         let mut worst: f32 = 0.0;
-        for &(witness, distance, triangle) in &self.handed {
+        for &(sample, distance, triangle) in &self.handed {
             worst = worst.max(distance);
-            if let Some(placed) = self.placed.get_mut(witness as usize) {
+            if let Some(placed) = self.placed.get_mut(sample as usize) {
                 *placed = distance;
             }
             if triangle != NONE {
-                self.points[witness as usize].next = self.head[triangle as usize];
-                self.head[triangle as usize] = witness;
+                self.points[sample as usize].next = self.head[triangle as usize];
+                self.head[triangle as usize] = sample;
             }
         }
         self.largest = self.largest.max(worst);
         worst.sqrt()
     }
 
-    /// Witness, squared distance and triangle of what was measured last.
+    /// Tracked sample, squared distance and triangle of what was measured last.
     pub fn handed(&self) -> &[(u32, f32, u32)] {
         &self.handed
     }
 
     /// The new patch as sectors.
-    fn spread(&mut self, surface: &Surface, patch: &Patch, pair: Pair, x: Vec3) {
+    fn spread(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
         self.fan.clear();
         if patch.facets().len() > 4 * FEW_SECTORS {
             return self.spread_many(patch);
         }
         self.fan.extend(patch.facets().chunks(4).map(Group::new));
         if patch.facets().is_empty() {
-            // Nothing of the patch survives (an ear): its witnesses go to what lies around the kept point, near in the
+            // Nothing of the patch survives (an ear): its tracked samples go to what lies around the kept point, near in the
             // list of its star, where triangles lie side by side that did so in the input.
             let ear = surface.star_triangles(pair.lost).next();
             let at = surface.star_triangles(pair.kept).position(|triangle| Some(triangle) == ear);
@@ -322,9 +322,9 @@ impl Witnesses {
         self.budget = 64 * self.fan.len();
     }
 
-    /// The first witness of every triangle of the patch that has one.
+    /// The first tracked sample of every triangle of the patch that has one.
     #[inline]
-    fn heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) -> Vec<u32> {
+    fn heads(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> Vec<u32> {
         let mut heads = std::mem::take(&mut self.heads);
         heads.clear();
         let mut add = |triangle: u32| {
@@ -342,7 +342,7 @@ impl Witnesses {
         heads
     }
 
-    fn clear_heads(&mut self, surface: &Surface, pair: Pair, x: Vec3) {
+    fn clear_heads(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         for corner in surface.star(pair.lost) {
             self.head[corner.triangle as usize] = NONE;
         }
@@ -353,23 +353,23 @@ impl Witnesses {
         }
     }
 
-    /// The merged points that are not witnesses yet.
-    fn newcomers(&self, surface: &Surface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
+    /// The merged points that are not tracked samples yet.
+    fn newcomers(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
         let is_new = |point: u32| (!self.merged[point as usize]).then_some(point);
         let kept = if surface.at(pair.kept) == x { None } else { is_new(pair.kept) };
         is_new(pair.lost).into_iter().chain(kept)
     }
 
-    /// Puts a witness on the triangle it lies over; its squared distance.
+    /// Puts a tracked sample on the triangle it lies over; its squared distance.
     #[inline]
-    fn place(&mut self, witness: u32, x: Vec3) -> f32 {
-        let (distance, triangle) = self.nearest(self.points[witness as usize].position - x);
-        if let Some(placed) = self.placed.get_mut(witness as usize) {
+    fn place(&mut self, sample: u32, x: Vec3) -> f32 {
+        let (distance, triangle) = self.nearest(self.points[sample as usize].position - x);
+        if let Some(placed) = self.placed.get_mut(sample as usize) {
             *placed = distance;
         }
         if triangle != NONE {
-            self.points[witness as usize].next = self.head[triangle as usize];
-            self.head[triangle as usize] = witness;
+            self.points[sample as usize].next = self.head[triangle as usize];
+            self.head[triangle as usize] = sample;
         }
         distance
     }
@@ -431,7 +431,7 @@ impl Witnesses {
 }
 
 /// Area of a surface, inner units.
-fn area(surface: &Surface) -> f32 {
+fn area(surface: &WorkingSurface) -> f32 {
     let triangles = (0..surface.triangle_count() as u32).filter_map(|t| surface.triangle(t));
     let double = triangles.map(|t| {
         let [p, q, r] = t.map(|v| surface.at(v));

@@ -20,7 +20,7 @@ use super::sequence_check::expect;
 use super::{CollapseSequence, SequenceError};
 
 /// Vertices of a sequence by reverse order of removal, and the forest of their substitutions.
-pub(crate) struct Lineage<'a> {
+pub(crate) struct CollapseForest<'a> {
     positions: Cow<'a, [[f32; 3]]>,
     /// The sequence's vertex of every number.
     pub order: Vec<u32>,
@@ -35,7 +35,7 @@ pub(crate) struct Lineage<'a> {
     forest: Forest,
 }
 
-impl<'a> Lineage<'a> {
+impl<'a> CollapseForest<'a> {
     /// Reads a sequence against the mesh it was made from. O(vertices + substitutions + triangles).
     ///
     /// Nothing in the sequence is trusted: this is the one gate between it and every structure built from it.

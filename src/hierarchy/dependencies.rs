@@ -8,7 +8,7 @@
 //!          w4                       all of w1 ... w4, none of them finer than then  (neighbours)
 //! ```
 
-use super::{Lists, Surface, VertexHierarchy};
+use super::{CutSurface, Lists, VertexHierarchy};
 
 /// How near a cut must stay to meshes that the simplifier has seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,12 +27,16 @@ pub enum Dependencies {
 }
 
 /// Needs of every split, found by replaying all collapses. `order` is the splits in order of their collapses, by collapse.
-pub(super) fn needs(hierarchy: &VertexHierarchy, order: &[u32], dependencies: Dependencies) -> Lists {
+pub(super) fn dependency_lists(
+    hierarchy: &VertexHierarchy,
+    order: &[u32],
+    dependencies: Dependencies,
+) -> Lists {
     let count = hierarchy.split_count();
     if dependencies == Dependencies::None {
         return Lists { start: vec![0; count + 1], items: Vec::new() };
     }
-    let mut surface = Surface::new(hierarchy, false);
+    let mut surface = CutSurface::new(hierarchy, false);
     // All splits, coarsest first.
     for split in 0..count as u32 {
         surface.split(hierarchy, split, |other| other <= split);
@@ -82,7 +86,7 @@ pub(super) fn needs(hierarchy: &VertexHierarchy, order: &[u32], dependencies: De
 }
 
 /// The corners of a triangle that vanishes, and of the drawn triangles beside it.
-fn adjacent(hierarchy: &VertexHierarchy, surface: &Surface, triangle: u32, ring: &mut Vec<u32>) {
+fn adjacent(hierarchy: &VertexHierarchy, surface: &CutSurface, triangle: u32, ring: &mut Vec<u32>) {
     let Some(corners) = surface.corners(hierarchy, triangle) else { return };
     ring.extend(corners);
     for &vertex in &corners {
