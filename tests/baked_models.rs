@@ -11,6 +11,7 @@ use multires::io::{self, BakeError};
 use multires::lod::{Baked, Level, Lod, LodOptions, Structure, VertexBuffer};
 use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::simplify::{Placement, Simplifier};
+use multires::view::{Answer, Bounds, Criterion, Motion};
 use multires::wavelet::{WaveletBuilder, WaveletMesh, WaveletOptions};
 use multires::{Error, MeshError, TotallyOrderedMesh, VertexHierarchy};
 use serde::Serialize;
@@ -122,6 +123,13 @@ fn built_wavelets_take_values_of_their_base() {
     builder.subdivide_where(|face| face.corners[0][1] > 0.0, |midpoint| out(midpoint.middle)).unwrap();
     let model = builder.bake_with(&WaveletOptions::default(), |_| ControlFlow::Continue(())).unwrap();
     let back = Baked::<WaveletMesh>::from_bytes(&model.to_bytes().unwrap()).unwrap();
+    // Corners of a box that the mesh takes for one, with colours that differ.
+    let corners = shapes::box_with_face_normals(1);
+    let bare = Mesh::new(corners.positions(), corners.triangles()).unwrap();
+    let cube = WaveletBuilder::new(&bare).unwrap();
+    let cube = cube.bake_with(&WaveletOptions::default(), |_| ControlFlow::Continue(())).unwrap();
+    let numbers: Vec<[f32; 1]> = (0..bare.positions().len()).map(|i| [i as f32]).collect();
+    assert!(matches!(cube.arrange_blended(&numbers, |_, _| {}), Err(MeshError::Folded { .. })));
     assert!(matches!(back.arrange(base.positions()), Err(MeshError::NewVertices { .. })));
     let uv: &[[f32; 2]] = bytemuck::cast_slice(base.attribute(names::UV).unwrap().as_floats().unwrap());
     let vertices: Vec<[f32; 5]> =
@@ -132,6 +140,19 @@ fn built_wavelets_take_values_of_their_base() {
     for ((value, place), uv) in values.iter().zip(back.vertices().positions()).zip(own) {
         assert_eq!(value[..3], place[..]);
         assert!((0..2).all(|k| (value[3 + k] - uv[k]).abs() < 1e-6), "{value:?} {uv:?}");
+    }
+}
+
+/// Needs whatever errs by more.
+struct Above(f32);
+
+impl Criterion for Above {
+    fn test(&self, bounds: &Bounds) -> Answer {
+        Answer::once(bounds.error > self.0)
+    }
+
+    fn motion(&self, _: &Self) -> Motion {
+        Motion::Other
     }
 }
 
@@ -173,6 +194,21 @@ fn levels_do_not_exceed_what_is_asked_for() {
     levels::<VertexHierarchy>(&mesh);
     levels::<TotallyOrderedMesh>(&mesh);
     levels::<WaveletMesh>(&mesh);
+
+    // A level by error is what a criterion of that error asks for, with all that depends on it.
+    let knot = shapes::torus_knot(2, 3, 60, 8);
+    let sequence = Simplifier::new().run(&knot).unwrap();
+    for dependencies in [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours] {
+        let options = HierarchyOptions::default().with_dependencies(dependencies);
+        let model = Baked::<VertexHierarchy>::of_sequence(&knot, &sequence, &options).unwrap();
+        let mut lod =
+            model.instance(model.arrange(knot.positions()).unwrap(), &LodOptions::default()).unwrap();
+        for step in 0..40 {
+            let error = knot.diagonal() as f32 * 0.3 * 0.8_f32.powi(step);
+            lod.adapt_by(&Above(error), Motion::Other, 0.0);
+            assert_eq!(model.level(Level::Error(error)).mesh, lod.to_mesh(), "{dependencies:?}, {error}");
+        }
+    }
 
     // With dependencies a split brings along what it needs.
     let sequence = Simplifier::new().run(&mesh).unwrap();

@@ -16,7 +16,7 @@ use multires::hierarchy::HierarchyBuilder;
 use multires::lod::{Baked, Lod, LodError, LodOptions, Structure, Triangulation, Values, VertexBuffer};
 use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::simplify::Placement;
-use multires::view::ObjectView;
+use multires::view::{Focus, ObjectView};
 use multires::wavelet::WaveletMesh;
 use multires::{TotallyOrderedMesh, VertexHierarchy};
 use proptest::prelude::*;
@@ -168,7 +168,15 @@ proptest! {
                             .with_operations(*operations)
                             .with_triangulation(minimal);
                         let was_shared = lod.shares_vertices();
+                        let before = *lod.options();
                         lod.set_options(&options).unwrap();
+                        if options.buffer != before.buffer
+                            || options.triangulation != before.triangulation && kind == WaveletMesh::KIND
+                            || options.geomorph.is_some() != before.geomorph.is_some()
+                        {
+                            // All of it counts as written: new buffers are filled.
+                            gpu = Gpu::default();
+                        }
                         prop_assert_eq!(lod.options(), &options);
                         if lod.shares_vertices() && !was_shared {
                             // Whoever shares has uploaded the values.
@@ -213,6 +221,7 @@ proptest! {
     fn a_tolerance_factor_is_a_factor_of_tolerances(
         looks in proptest::collection::vec((-0.2_f32..0.2, 0.9_f32..1.1, any::<bool>()), 1..60),
         triangles in proptest::option::of(100_usize..1_000),
+        focus in 0..3,
     ) {
         let asset = asset::patch(8);
         let model = mesh(&asset);
@@ -226,7 +235,13 @@ proptest! {
                 if !still {
                     aside += 0.1 * move_by;
                 }
-                let view: ObjectView = view(&model, [aside, 0.4, 1.5], 0.0, 4.0).of_world();
+                let mut view = view(&model, [aside, 0.4, 1.5], 0.0, 4.0);
+                match focus {
+                    1 => view = view.with_focus(Some(Focus { centre: [0.2, 0.0, 0.1], radius: 0.3 })),
+                    2 => view = view.with_radius_test(1.7),
+                    _ => {}
+                }
+                let view: ObjectView = view.of_world();
                 turned.set_tolerance_factor(factor);
                 turned.adapt(std::slice::from_ref(&view), 0.1);
                 plain.adapt(&[view.coarsened(f64::from(factor))], 0.1);
@@ -234,6 +249,84 @@ proptest! {
                 prop_assert_eq!(turned.to_mesh(), plain.to_mesh(), "{}, frame {}", kind, frame);
             }
         }
+    }
+}
+
+/// With a radius, all of a model is drawn that the eye is within it of, whatever its structure.
+#[test]
+fn a_radius_is_a_radius_for_all() {
+    let asset = asset::patch(8);
+    let model = mesh(&asset);
+    for (kind, mut lod) in instances(&asset, &LodOptions::default()) {
+        let near = view(&model, [0.0, 0.2, 1.0], 0.0, 1.0).with_radius_test(100.0).of_world();
+        let far = view(&model, [0.0, 0.2, 30.0], 0.0, 1.0).with_radius_test(0.1).of_world();
+        for factor in [1.0, 1.3] {
+            lod.set_tolerance_factor(factor);
+            let all = lod.adapt(std::slice::from_ref(&near), 0.1).triangles;
+            let none = lod.adapt(std::slice::from_ref(&far), 0.1).triangles;
+            assert!(all > 4 * none.max(20), "{kind}, {factor}: {all} and {none}");
+        }
+    }
+}
+
+/// Another triangulation counts other triangles: limits hold for those.
+#[test]
+fn limits_hold_when_the_triangulation_changes() {
+    let mesh = shapes::rock(5_120, 1);
+    let model = WaveletMesh::bake(&mesh).unwrap();
+    let values = model.arrange(mesh.positions()).unwrap().with_blending();
+    let minimal = LodOptions::default().with_triangulation(Triangulation::Minimal).with_triangles(1_000);
+    let mut lod = model.instance(values, &minimal).unwrap();
+    let look = view(&mesh, [0.0, 0.0, 0.8], 0.0, 0.5).of_world();
+    for _ in 0..3 {
+        lod.adapt(std::slice::from_ref(&look), 0.1);
+        lod.set_options(&minimal.with_triangulation(Triangulation::Exact)).unwrap();
+        let change = lod.adapt(std::slice::from_ref(&look), 0.1);
+        assert!(change.triangles <= 1_000 && change.triangles > 500, "{change:?}");
+        assert_eq!(change.triangles, lod.triangles(0).len());
+        lod.adapt(&[], 0.1);
+        lod.set_options(&minimal).unwrap();
+    }
+    // A limit that stays while vertices begin to move finds what fits by itself.
+    lod.adapt(std::slice::from_ref(&look), 0.1);
+    lod.set_options(&minimal.with_geomorph(Geomorph::default())).unwrap();
+    let away = view(&mesh, [0.0, 0.0, 1.6], 0.0, 0.5).of_world();
+    lod.adapt(std::slice::from_ref(&away), 0.1);
+    lod.settle();
+    let mut fresh = model.instance(lod.own_values().clone(), &minimal).unwrap();
+    fresh.adapt(&[away], 0.1);
+    assert_eq!(lod.to_mesh(), fresh.to_mesh());
+}
+
+/// The full resolution is there at once, however few operations a frame may take.
+#[test]
+fn all_is_there_at_once_where_that_is_asked_for() {
+    let asset = asset::patch(8);
+    let options = LodOptions::default().with_operations(3).with_geomorph(Geomorph::default());
+    for (kind, mut lod) in instances(&asset, &options) {
+        let change = lod.refine_fully();
+        assert_eq!(
+            (change.triangles, change.pending, change.moving),
+            (asset.indices.len() / 3, 0, 0),
+            "{kind}"
+        );
+    }
+}
+
+/// Where vertices never leave their places, a whole buffer is written once.
+#[test]
+fn vertices_that_stay_are_written_once() {
+    let mesh = shapes::rock(5_120, 1);
+    let model = WaveletMesh::bake(&mesh).unwrap();
+    let options =
+        LodOptions::default().with_triangulation(Triangulation::Minimal).with_buffer(VertexBuffer::Whole);
+    let mut lod = model.instance(model.arrange(mesh.positions()).unwrap(), &options).unwrap();
+    lod.clean();
+    for distance in [3.0, 1.0, 2.0, 0.7] {
+        lod.adapt(&[view(&mesh, [0.0, 0.0, distance], 0.0, 2.0).of_world()], 0.1);
+        assert!(lod.uploads().all(|upload| upload.buffer > 0));
+        assert!(lod.uploads().next().is_some());
+        lod.clean();
     }
 }
 
@@ -294,7 +387,9 @@ fn values_without_blending_are_refused_where_they_would_be_mixed() {
     let length = |error: LodError| assert!(matches!(error, LodError::Length { found: 5, .. }), "{error}");
     length(hierarchy.instance(few.clone(), &LodOptions::default()).err().unwrap());
     length(tom.instance(few.clone(), &LodOptions::default()).err().unwrap());
-    length(wavelet.instance(few, &minimal).err().unwrap());
+    length(wavelet.instance(few.clone(), &minimal).err().unwrap());
+    length(VertexHierarchy::instance(&hierarchy, few.clone(), &LodOptions::default()).err().unwrap());
+    length(TotallyOrderedMesh::instance(&tom, few, &LodOptions::default()).err().unwrap());
 }
 
 /// Vertices that collapses made are mixed, and lie where the structure has them.

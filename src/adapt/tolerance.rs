@@ -87,11 +87,11 @@ impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Scaled<'_, C> {
     }
 
     fn test_at(&self, bounds: &B, factor: f64) -> Answer {
-        let [low, high] = self.ends.map(|end| self.criterion.test_at(bounds, factor * end));
+        let [low, high] = self.ends.map(|end| self.criterion.test_scaled(bounds, end, factor));
         match (low.refine, high.refine) {
             (true, true) => low.and(high),
             (false, false) => low.or(high),
-            _ => Answer::once(self.criterion.test_at(bounds, factor * self.factor).refine),
+            _ => Answer::once(self.criterion.test_scaled(bounds, self.factor, factor).refine),
         }
     }
 
@@ -100,7 +100,7 @@ impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Scaled<'_, C> {
     }
 
     fn urgency(&self, bounds: &B) -> f64 {
-        self.criterion.urgency(bounds) / self.factor
+        self.criterion.urgency_scaled(bounds, self.factor)
     }
 
     fn sees(&self, bounds: &B) -> bool {

@@ -88,10 +88,7 @@ impl Structure for VertexHierarchy {
             }
         };
         let set = of.closure(&splits[..count]);
-        let mut surface = CutSurface::new(of, false);
-        for split in (0..set.len() as u32).filter(|&split| set[split as usize]) {
-            surface.split(of, split, |other| other <= split && set[other as usize]);
-        }
+        let surface = CutSurface::at(of, false, |split| set[split as usize]);
         let left_out = (0..set.len() as u32).filter(|&split| !set[split as usize]);
         let error = left_out.map(|split| of.error(split)).fold(0.0, f32::max);
         Extracted::new(of.mesh_of(model.vertices(), &surface), error)
@@ -165,11 +162,11 @@ impl VertexHierarchy {
     /// A set of splits closed under what they need, as one flag a split. O(n).
     fn closure(&self, splits: &[u32]) -> Vec<bool> {
         let mut set = vec![false; self.split_count()];
-        splits.iter().for_each(|&split| set[split as usize] = true);
-        // Splits come after those they need.
-        for split in (0..set.len() as u32).rev() {
-            if set[split as usize] {
-                self.parents(split).chain(self.dependencies(split)).for_each(|n| set[n as usize] = true);
+        let mut stack = splits.to_vec();
+        // Dependencies may have any number, unlike parents.
+        while let Some(split) = stack.pop() {
+            if !std::mem::replace(&mut set[split as usize], true) {
+                stack.extend(self.parents(split).chain(self.dependencies(split)));
             }
         }
         set

@@ -1,6 +1,5 @@
 //! Why a vertex hierarchy could not be built, or its parts not be taken.
 
-use crate::error::MeshError;
 use crate::simplify::{OptionError, SequenceError};
 
 /// Why a [`VertexHierarchy`](super::VertexHierarchy) could not be built.
@@ -13,9 +12,6 @@ pub enum HierarchyError {
     /// An option of the simplification makes no sense.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Values that do not fit the mesh they are arranged for.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     /// More elements than can be numbered.
     #[error("there are {count} {what}, more than the {limit} supported")]
     TooMany {

@@ -63,6 +63,10 @@ impl<V: Vertex> HierarchyLod<V> {
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
+        let (found, expected) = (values.len(), model.structure().vertex_count());
+        if found != expected {
+            return Err(LodError::Length { found, expected });
+        }
         let mix = mix_for(&values, options)?;
         Ok(Self::start(Arc::clone(model.structure()), Some(model.clone()), values, mix, options))
     }
@@ -100,15 +104,12 @@ impl<V: Vertex> HierarchyLod<V> {
         let hierarchy = &*self.hierarchy;
         let packed = options.buffer == VertexBuffer::Packed;
         if packed != self.surface.vertices().is_some() {
-            let mut surface = CutSurface::new(hierarchy, packed);
-            for split in (0..hierarchy.split_count() as u32).filter(|&split| self.driver.shows(split)) {
-                surface.split(hierarchy, split, |other| other <= split && self.driver.shows(other));
-            }
-            self.surface = surface;
+            self.surface = CutSurface::at(hierarchy, packed, |split| self.driver.shows(split));
         }
         let values = self.vertices.values().clone();
         self.vertices = Vertices::new(values, &self.surface, mix, options.buffer == VertexBuffer::Shared);
         self.surface.clean_vertices();
+        self.invalidate();
     }
 
     /// The structure.
@@ -181,7 +182,9 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
     }
 
     fn refine_fully(&mut self) -> Change {
-        self.adapt_by(&Everything, Motion::Other, f32::INFINITY)
+        let change = self.adapt_by(&Everything, Motion::Other, f32::INFINITY);
+        self.settle();
+        Change { triangles: self.surface.triangle_count(), pending: 0, moving: 0, ..change }
     }
 
     fn settle(&mut self) {

@@ -98,6 +98,16 @@ impl CutSurface {
         surface
     }
 
+    /// The mesh of a set of splits, closed under parents.
+    pub(super) fn at(hierarchy: &VertexHierarchy, packed: bool, shows: impl Fn(u32) -> bool) -> Self {
+        let mut surface = Self::new(hierarchy, packed);
+        // Parents come first.
+        for split in (0..hierarchy.split_count() as u32).filter(|&split| shows(split)) {
+            surface.split(hierarchy, split, |other| other <= split && shows(other));
+        }
+        surface
+    }
+
     /// Corners of the drawn triangles of a group: all of one material (in the order of
     /// [`VertexHierarchy::materials`]), or all there are. Empty where there is no such group.
     pub fn triangles(&self, group: usize) -> &[[u32; 3]] {

@@ -13,7 +13,7 @@ use super::{Extracted, FromSequence, Level, LodError, LodOptions, Origins, Struc
 /// clones share everything.
 ///
 /// Made by [`Structure::bake`], by [`Baked::of_sequence`] and from files, which are checked ([`Baked::from_bytes`], serde).
-/// Duplicates and vertices that no triangle uses are left out.
+/// Duplicates and vertices that no triangle uses are left out, but for those of a base mesh that wavelets were built on.
 pub struct Baked<S: Structure> {
     structure: Arc<S>,
     shared: Arc<Shared<S>>,

@@ -67,9 +67,12 @@ impl Driver {
     ) {
         self.forgets |= options.triangles != self.options.triangles;
         let moves = options.geomorph.is_some();
-        if options.is_immediate() || moves != self.options.geomorph.is_some() {
+        let counts_anew = options.triangulation != self.options.triangulation;
+        if options.is_immediate() || moves != self.options.geomorph.is_some() || counts_anew {
             if let Some(mut limits) = self.limits.take() {
                 limits.settle(of, sink);
+                // A budget that starts anew has given no answers.
+                self.forgets = true;
             }
         }
         self.options = *options;

@@ -32,7 +32,7 @@ pub trait Lod: Send {
     /// How it follows the view.
     fn options(&self) -> &LodOptions;
 
-    /// Follows the view in another way from now on. Where limits are lifted, what is still to come is drawn at once; where
+    /// Follows the view in another way from now on. Where all limits are lifted, what is still to come is drawn at once; where
     /// triangles are fewer than drawn, what is too much goes in the next call, whatever the number of operations. Where the
     /// vertex buffer, the triangulation or whether vertices move changes, what was asked for is drawn at once, and all of it
     /// counts as written: O(n).

@@ -4,6 +4,8 @@ use bytemuck::NoUninit;
 
 use crate::adapt::Blend;
 use crate::error::MeshError;
+#[cfg(feature = "serde")]
+use crate::mesh::MAX_ELEMENTS;
 use crate::mesh::{Mesh, Topology, check_folded, folded};
 use crate::simplify::CollapseSequence;
 
@@ -47,11 +49,15 @@ impl Origins {
 
     /// Of vertices that are the input's own, one for each wedge.
     pub(crate) fn of_wedges(mesh: &Mesh, topology: &Topology, order: Vec<u32>) -> Self {
+        Self::new(mesh.positions().len(), order, Vec::new()).folded_as(mesh, topology)
+    }
+
+    /// The same of an input whose duplicates are one.
+    pub(crate) fn folded_as(mut self, mesh: &Mesh, topology: &Topology) -> Self {
         let wedges = (0_u32..).zip(topology.wedge_of());
         let duplicates = wedges.filter(|(v, wedge)| v != *wedge).map(|(v, &wedge)| [v, wedge]);
-        let folded = folded(mesh, duplicates);
-        let input_vertices = mesh.positions().len() as u32;
-        Self { input_vertices, order, folded, ..Self::default() }
+        self.folded = folded(mesh, duplicates);
+        self
     }
 
     /// Of vertices that are the input's own, in that order, and mixtures of those, which follow the input's numbers.
@@ -203,6 +209,10 @@ impl TryFrom<Parts> for Origins {
             }
             Err(MeshError::Origin { vertex: at, found: index })
         };
+        if input_vertices as usize > MAX_ELEMENTS {
+            let (count, limit) = (input_vertices as usize, MAX_ELEMENTS);
+            return Err(MeshError::TooMany { what: "vertices of the input", count, limit });
+        }
         let input = u64::from(input_vertices);
         for (k, mixture) in mixtures.iter().enumerate() {
             mixture.from.iter().try_for_each(|&v| within(v, input + k as u64, k))?;

@@ -1,6 +1,5 @@
 //! Why a totally ordered mesh could not be built, or its parts not be taken.
 
-use crate::error::MeshError;
 use crate::simplify::{OptionError, SequenceError};
 
 /// Why a [`TotallyOrderedMesh`](super::TotallyOrderedMesh) could not be built from a sequence or taken from parts.
@@ -16,9 +15,6 @@ pub enum TomError {
     /// The sequence does not hold together, or belongs to another mesh.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// Values that do not fit the mesh they are arranged for.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     /// An array is longer or shorter than the others ask for.
     #[error("there are {found} {what} where {expected} are needed")]
     Length {

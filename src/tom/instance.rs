@@ -79,6 +79,10 @@ impl<V: Vertex> TomLod<V> {
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
+        let (found, expected) = (values.len(), model.structure().vertex_count());
+        if found != expected {
+            return Err(LodError::Length { found, expected });
+        }
         let mix = mix_for(&values, options)?;
         let [low, high] = model.bounds().unwrap_or_default().map(glam::Vec3::from_array);
         // Half of each first, so that no box is too large for it.
@@ -136,6 +140,11 @@ impl<V: Vertex> TomLod<V> {
             let to = if self.is_above_limit() { wanted } else { self.step_towards(wanted) };
             self.seek(to);
         }
+        self.change(before)
+    }
+
+    /// What has happened since a resolution was drawn.
+    fn change(&self, before: Resolution) -> Change {
         let now = self.indices.resolution();
         Change {
             cut: CutReport {
@@ -144,7 +153,7 @@ impl<V: Vertex> TomLod<V> {
                 collapses: before.vertices().saturating_sub(now.vertices()),
             },
             triangles: now.triangles(),
-            pending: now.vertices().abs_diff(wanted.vertices()),
+            pending: now.vertices().abs_diff(self.wanted.vertices()),
             moving: self.transition().map_or(0, |t| t.fine.vertices() - t.coarse.vertices()),
             over_budget: self.options.triangles.is_some_and(|most| now.triangles() > most),
         }
@@ -289,7 +298,11 @@ impl<V: Vertex> Lod for TomLod<V> {
         // By how much tolerances would have to grow for an error of one diagonal to be none too large: what is left of the
         // diagonal is the largest error that is allowed.
         let urgency = views.urgency(&self.bounds);
-        let level = if urgency > 0.0 {
+        // What is in focus is needed for no error at all.
+        let is_in_focus = views.test(&Bounds { error: 0.0, parametric: 0.0, ..self.bounds }).refine;
+        let level = if is_in_focus {
+            Level::Ratio(1.0)
+        } else if urgency > 0.0 {
             Level::Error((f64::from(self.diagonal) * f64::from(self.factor) / urgency) as f32)
         } else {
             Level::Vertices(0)
@@ -303,9 +316,10 @@ impl<V: Vertex> Lod for TomLod<V> {
 
     fn refine_fully(&mut self) -> Change {
         self.views.clear();
-        let wanted = self.within_limit(self.tom().finest());
-        self.rest();
-        self.follow(wanted, 1.0)
+        let before = self.indices.resolution();
+        self.wanted = self.within_limit(self.tom().finest());
+        self.settle();
+        self.change(before)
     }
 
     fn settle(&mut self) {

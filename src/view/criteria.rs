@@ -101,6 +101,18 @@ pub trait Criterion<B = Bounds> {
         Answer::once(self.urgency(bounds) > factor)
     }
 
+    /// [`test_at`](Self::test_at) with tolerances multiplied by `scale` before a budget multiplies them by `factor`: what is
+    /// needed for no error, as in a [focus](super::Focus), does not ask how large tolerances are, but gives way to a budget. Unless
+    /// implemented, both are one factor.
+    fn test_scaled(&self, bounds: &B, scale: f64, factor: f64) -> Answer {
+        self.test_at(bounds, scale * factor)
+    }
+
+    /// The [urgency](Self::urgency) with tolerances multiplied by `scale`. Unless implemented, the urgency divided by that.
+    fn urgency_scaled(&self, bounds: &B, scale: f64) -> f64 {
+        self.urgency(bounds) / scale
+    }
+
     /// Whether a change there may be seen; where not, it is made at once. Unless implemented, it may.
     fn sees(&self, bounds: &B) -> bool {
         let _ = bounds;
@@ -127,6 +139,18 @@ impl<B, C: Criterion<B>> Criterion<B> for [C] {
 
     fn urgency(&self, bounds: &B) -> f64 {
         self.iter().map(|view| view.urgency(bounds)).fold(0.0, f64::max)
+    }
+
+    fn urgency_scaled(&self, bounds: &B, scale: f64) -> f64 {
+        self.iter().map(|view| view.urgency_scaled(bounds, scale)).fold(0.0, f64::max)
+    }
+
+    fn test_scaled(&self, bounds: &B, scale: f64, factor: f64) -> Answer {
+        let mut answer = Answer::NEVER;
+        for view in self {
+            answer = answer.or(view.test_scaled(bounds, scale, factor));
+        }
+        answer
     }
 
     fn test_at(&self, bounds: &B, factor: f64) -> Answer {

@@ -205,19 +205,22 @@ impl ObjectView {
 }
 
 impl ObjectView {
-    /// Whether a refinement is needed with tolerances multiplied by a factor.
+    /// Whether a refinement is needed with tolerances multiplied by `scale`, and then for a budget by `factor`.
     #[inline]
-    fn answer(&self, bounds: &impl SeenBounds, factor: f64) -> Answer {
+    fn answer(&self, bounds: &impl SeenBounds, scale: f64, factor: f64) -> Answer {
         let place = self.place(bounds);
         let error = bounds.extent(self.error, &place);
-        let mut answer = self.too_large(&error, self.reach / factor, &place);
+        let both_factors = scale * factor;
+        let mut answer = self.too_large(&error, self.reach / both_factors, &place);
         let mut facing = None;
         if !answer.refine && self.silhouette_reach > self.reach {
             facing = self.facing(bounds, &place);
             let both = facing.as_ref().map_or(Answer::ALWAYS, |facing| facing.front().and(facing.back()));
-            answer = answer.or(self.too_large(&error, self.silhouette_reach / factor, &place).and(both));
+            answer =
+                answer.or(self.too_large(&error, self.silhouette_reach / both_factors, &place).and(both));
         }
-        if self.focus.is_some() && (factor <= 1.0 || error.largest * self.silhouette_reach > NEAREST * factor)
+        if self.focus.is_some()
+            && (factor <= 1.0 || error.largest * self.silhouette_reach > NEAREST * both_factors)
         {
             answer = answer.or(self.in_focus(bounds));
         }
@@ -237,7 +240,8 @@ impl ObjectView {
         answer.and(self.in_frustum(bounds, &place))
     }
 
-    fn urgency_of(&self, bounds: &impl SeenBounds) -> f64 {
+    /// By what tolerances, multiplied by `scale`, would have to grow.
+    fn urgency_of(&self, bounds: &impl SeenBounds, scale: f64) -> f64 {
         let place = self.place(bounds);
         let facing = self.facing(bounds, &place);
         let front = facing.as_ref().is_none_or(|facing| facing.front().refine);
@@ -245,7 +249,7 @@ impl ObjectView {
             return 0.0;
         }
         let silhouette = front && facing.as_ref().is_none_or(|facing| facing.back().refine);
-        let reach = if silhouette { self.silhouette_reach } else { self.reach };
+        let reach = if silhouette { self.silhouette_reach } else { self.reach } / scale;
         let error = bounds.extent(self.error, &place);
         let size = error.size.max(0.0);
         let urgency = match self.eye {
@@ -253,7 +257,7 @@ impl ObjectView {
             Eye::Along { .. } => size * reach,
         };
         if self.in_focus(bounds).refine {
-            urgency.max(error.largest.max(0.0) * self.silhouette_reach / NEAREST).max(BARELY)
+            urgency.max(error.largest.max(0.0) * self.silhouette_reach / scale / NEAREST).max(BARELY)
         } else {
             urgency
         }
@@ -307,15 +311,23 @@ impl ObjectView {
 
 impl Criterion for ObjectView {
     fn test(&self, bounds: &Bounds) -> Answer {
-        self.answer(bounds, 1.0)
+        self.answer(bounds, 1.0, 1.0)
     }
 
     fn test_at(&self, bounds: &Bounds, factor: f64) -> Answer {
-        self.answer(bounds, factor)
+        self.answer(bounds, 1.0, factor)
+    }
+
+    fn test_scaled(&self, bounds: &Bounds, scale: f64, factor: f64) -> Answer {
+        self.answer(bounds, scale, factor)
     }
 
     fn urgency(&self, bounds: &Bounds) -> f64 {
-        self.urgency_of(bounds)
+        self.urgency_of(bounds, 1.0)
+    }
+
+    fn urgency_scaled(&self, bounds: &Bounds, scale: f64) -> f64 {
+        self.urgency_of(bounds, scale)
     }
 
     fn sees(&self, bounds: &Bounds) -> bool {
@@ -331,15 +343,23 @@ impl Criterion for ObjectView {
 /// directions.
 impl Criterion<DeviationBounds> for ObjectView {
     fn test(&self, bounds: &DeviationBounds) -> Answer {
-        self.answer(bounds, 1.0)
+        self.answer(bounds, 1.0, 1.0)
     }
 
     fn test_at(&self, bounds: &DeviationBounds, factor: f64) -> Answer {
-        self.answer(bounds, factor)
+        self.answer(bounds, 1.0, factor)
+    }
+
+    fn test_scaled(&self, bounds: &DeviationBounds, scale: f64, factor: f64) -> Answer {
+        self.answer(bounds, scale, factor)
     }
 
     fn urgency(&self, bounds: &DeviationBounds) -> f64 {
-        self.urgency_of(bounds)
+        self.urgency_of(bounds, 1.0)
+    }
+
+    fn urgency_scaled(&self, bounds: &DeviationBounds, scale: f64) -> f64 {
+        self.urgency_of(bounds, scale)
     }
 
     fn sees(&self, bounds: &DeviationBounds) -> bool {

@@ -144,6 +144,7 @@ impl WaveletBuilder {
         mut progress: impl FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Baked<WaveletMesh>, WaveletError> {
         let input = self.base.positions().len();
+        let base = self.base.clone();
         let (mesh, ends) = self.finish(options, &mut progress)?;
         let of = mesh.subdivision();
         let mut order: Vec<u32> = (0..of.vertex_count() as u32).collect();
@@ -152,7 +153,11 @@ impl WaveletBuilder {
             order[vertex as usize] = (input + mixtures.len()) as u32;
             mixtures.push(Mixture { from: ends.map(|end| order[end as usize]), weight: 0.5 });
         }
-        Ok(Baked::new(mesh, None, Origins::new(input, order, mixtures)))
+        Ok(Baked::new(
+            mesh,
+            None,
+            Origins::new(input, order, mixtures).folded_as(&base, &Topology::new(&base)),
+        ))
     }
 
     /// The mesh, and all vertices that are none of the base's with their ends, those first that are ends of others.

@@ -50,12 +50,11 @@ impl WaveletMesh {
         options: &WaveletOptions,
     ) -> Result<Self, WaveletError> {
         let expected = size[0].saturating_mul(size[1]);
-        if heights.len() != expected || size.iter().any(|&side| side < 2) {
-            return Err(WaveletError::Length {
-                what: "heights",
-                found: heights.len(),
-                expected: expected.max(4),
-            });
+        if let Some(at) = size.iter().position(|&side| side < 2) {
+            return Err(WaveletError::Invalid { what: "fewer than 2 samples along side", at });
+        }
+        if heights.len() != expected {
+            return Err(WaveletError::Length { what: "heights", found: heights.len(), expected });
         }
         let field = Field { heights, size, spacing };
         let steps = size.map(|side| side - 1);

@@ -328,7 +328,9 @@ impl<V: Vertex> Lod for WaveletLod<V> {
     }
 
     fn refine_fully(&mut self) -> Change {
-        self.adapt_by(&Everything, Motion::Other, f32::INFINITY)
+        let change = self.adapt_by(&Everything, Motion::Other, f32::INFINITY);
+        self.settle();
+        Change { triangles: self.shown.surface.triangle_count(), pending: 0, moving: 0, ..change }
     }
 
     fn settle(&mut self) {
@@ -350,6 +352,8 @@ impl<V: Vertex> Lod for WaveletLod<V> {
             || options.geomorph.is_some() != before.geomorph.is_some()
         {
             self.rebuild(options);
+        } else if options.buffer != before.buffer {
+            self.invalidate();
         }
         self.apply(options);
         Ok(())

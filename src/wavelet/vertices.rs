@@ -227,6 +227,7 @@ impl<V: Vertex> Vertices<V> {
                         None => {
                             slots.vertices.push(vertex);
                             self.drawn.push(value);
+                            self.dirty.mark(slot);
                         }
                     }
                     slot
@@ -234,8 +235,10 @@ impl<V: Vertex> Vertices<V> {
                 slot => slot,
             },
         };
-        if !is_there {
-            self.drawn[slot as usize] = value;
+        // What is there already need not be written again.
+        let drawn = &mut self.drawn[slot as usize];
+        if !is_there && bytemuck::bytes_of(drawn) != bytemuck::bytes_of(&value) {
+            *drawn = value;
             self.dirty.mark(slot);
         }
     }

@@ -99,10 +99,9 @@ impl Asked {
             let tolerance = round_down(tolerance);
             mesh.closure(|wavelet| mesh.bounds(wavelet).largest_error() > tolerance)
         };
-        if self.vertices.is_some() {
-            return Err(Failure::Usage("--vertices is for totally ordered meshes".to_owned()));
-        }
-        Ok(if let Some(triangles) = self.triangles {
+        Ok(if let Some(vertices) = self.vertices {
+            mesh.largest_within_vertices(vertices, style.triangulation())
+        } else if let Some(triangles) = self.triangles {
             mesh.largest_within(triangles, style.triangulation())
         } else if let Some(ratio) = self.ratio {
             mesh.largest_within((ratio * of.triangle_count() as f64) as usize, style.triangulation())

@@ -349,17 +349,26 @@ fn shade(baked: &dyn io::StoredModel<Vertex>, vertices: &mut [Vertex]) -> Result
     let triangles: Vec<[u32; 3]> =
         (0..full.groups()).flat_map(|group| full.triangles(group)).copied().collect();
     smooth(vertices, &triangles);
+    let mut normal_of: Vec<(u32, Vec3)> = vertices
+        .iter()
+        .zip(baked.origins().order())
+        .map(|(v, &origin)| (origin, Vec3::from(v.normal)))
+        .collect();
+    normal_of.sort_by_key(|entry| entry.0);
     let origins = baked.origins();
-    let mut own = vec![Vec3::ZERO; origins.input_vertices()];
-    for (vertex, &origin) in vertices.iter().zip(origins.order()) {
-        if let Some(own) = own.get_mut(origin as usize) {
-            *own = Vec3::from(vertex.normal);
-        }
+    let own =
+        |origin: u32| normal_of.binary_search_by_key(&origin, |entry| entry.0).map(|at| normal_of[at].1);
+    let mut made: Vec<Vec3> = Vec::with_capacity(origins.mixtures().len());
+    for mixture in origins.mixtures() {
+        let [a, b] = mixture.from.map(|from| match (from as usize).checked_sub(origins.input_vertices()) {
+            Some(mixture) => made[mixture],
+            None => own(from).unwrap_or_default(),
+        });
+        made.push(a.lerp(b, mixture.weight));
     }
-    let mixed = origins.arrange_with(&own, |a, b, t| a.lerp(*b, t)).map_err(ModelError::of)?;
-    for (vertex, mixed) in vertices.iter_mut().zip(mixed) {
-        if vertex.normal == [0.0; 3] {
-            vertex.normal = mixed.normalize_or_zero().to_array();
+    for (vertex, &origin) in vertices.iter_mut().zip(origins.order()) {
+        if let Some(mixture) = (origin as usize).checked_sub(origins.input_vertices()) {
+            vertex.normal = made[mixture].normalize_or_zero().to_array();
         }
     }
     Ok(())
