@@ -1,4 +1,4 @@
-//! One error for whoever need not tell the rooms apart: every error of the crate becomes it by `?`.
+//! A single error type for the whole crate: every other error converts to it by `?`.
 
 use crate::error::MeshError;
 use crate::hierarchy::HierarchyError;
@@ -8,7 +8,7 @@ use crate::tom::TomError;
 use crate::view::ViewError;
 use crate::wavelet::WaveletError;
 
-/// Whatever went wrong anywhere in this crate. Its message is that of the error inside.
+/// Any error of this crate. Displays the message of the error inside.
 ///
 /// ```
 /// use multires::prelude::*;
@@ -26,40 +26,40 @@ use crate::wavelet::WaveletError;
 #[non_exhaustive]
 #[error(transparent)]
 pub enum Error {
-    /// Arrays that make no mesh.
+    /// Arrays do not make a mesh.
     Mesh(#[from] MeshError),
-    /// Options of a simplification.
+    /// Options of a simplification make no sense.
     Options(#[from] OptionError),
-    /// A collapse sequence that does not hold together.
+    /// A collapse sequence does not hold together.
     Sequence(#[from] SequenceError),
-    /// A progressive mesh that does not hold together.
+    /// A progressive mesh does not hold together.
     Progressive(#[from] ProgressiveError),
-    /// A totally ordered mesh.
+    /// An error of a totally ordered mesh.
     Tom(#[from] TomError),
-    /// A vertex hierarchy.
+    /// An error of a vertex hierarchy.
     Hierarchy(#[from] HierarchyError),
-    /// A wavelet mesh.
+    /// An error of a wavelet mesh.
     Wavelet(#[from] WaveletError),
-    /// An instance.
+    /// An error of an instance.
     Lod(#[from] LodError),
-    /// A view.
+    /// An error of a view.
     View(#[from] ViewError),
-    /// A measurement.
+    /// An error of a measurement.
     #[cfg(feature = "quality")]
     Quality(#[from] crate::quality::QualityError),
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[cfg(feature = "io")]
     Read(#[from] crate::io::ReadError),
-    /// A file that cannot be written.
+    /// A file cannot be written.
     #[cfg(feature = "io")]
     Write(#[from] crate::io::WriteError),
-    /// A baked file.
+    /// An error of a baked file.
     #[cfg(feature = "io")]
     Bake(#[from] crate::io::BakeError),
 }
 
 impl Error {
-    /// Whether a build ended because whoever was told of its progress said so.
+    /// Holds if a build ended because its progress callback asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(
             self,

@@ -1,8 +1,8 @@
-//! What can be wrong with what a caller hands in: one enum by blame, each variant naming the element.
+//! Errors of the caller's arrays and values: each variant names the element at fault.
 //!
-//! Stopping early is not an error but a result (see [`StopReason`](crate::simplify::StopReason)).
+//! Stopping early is a result, not an error (see [`StopReason`](crate::simplify::StopReason)).
 
-/// Why a [`Mesh`](crate::mesh::Mesh) could not be made from the arrays it was given.
+/// Why a [`Mesh`](crate::mesh::Mesh) could not be made from the given arrays, or values not be arranged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -25,34 +25,34 @@ pub enum MeshError {
     IndexOutOfRange {
         /// Index of the triangle.
         triangle: usize,
-        /// The index it holds.
+        /// The index held by the triangle.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// Indices that make no whole number of triangles.
+    /// The number of indices is not a multiple of 3.
     #[error("{indices} indices are not three a triangle")]
     OddIndices {
-        /// How many indices there are.
+        /// Number of indices.
         indices: usize,
     },
-    /// A range of a material that is out of bounds, cuts triangles in two, or overlaps another.
+    /// A range of a material is out of bounds, cuts triangles in two, or overlaps another range.
     #[error("range {range} of indices ({start}..{end}) is not one of whole triangles of its own")]
     MaterialRange {
-        /// The number of the range.
+        /// Number of the range, from 0.
         range: usize,
         /// Its first index.
         start: usize,
-        /// One behind its last index.
+        /// The index behind its last.
         end: usize,
     },
-    /// A triangle that no range of a material covers.
+    /// A triangle is in no range of a material.
     #[error("triangle {triangle} is in no range of a material")]
     NoMaterial {
         /// Index of the triangle.
         triangle: usize,
     },
-    /// Values of two vertices that differ, where the mesh said that the vertices are one.
+    /// Two vertices have different values, but are a single vertex in the mesh.
     #[error(
         "vertices {} and {} are one in the mesh, but their values differ: tell them apart by Mesh::from_vertices or an \
          attribute",
@@ -60,21 +60,21 @@ pub enum MeshError {
         vertices[1]
     )]
     Folded {
-        /// The first two.
+        /// The first two such vertices.
         vertices: [u32; 2],
     },
-    /// Values of vertices that collapses have made, which only a blend of others can give.
+    /// Vertices made by collapses have no values: only a blend of other values can give them.
     #[error("{count} vertices were made by collapses: their values need a blend")]
     NewVertices {
-        /// How many there are.
+        /// Number of vertices made by collapses.
         count: usize,
     },
-    /// A vertex of a baked model that comes from nowhere: no vertex of the input, nor a mixture before it.
+    /// A vertex of a baked model has no origin: neither an input vertex nor an earlier mixture.
     #[error("origin {vertex} names {found}, which there is not before it")]
     Origin {
         /// Index of the origin.
         vertex: usize,
-        /// What it names.
+        /// The vertex named by the origin.
         found: u32,
     },
     /// More vertices or triangles than the structures can number.
@@ -82,9 +82,9 @@ pub enum MeshError {
     TooMany {
         /// "vertices" or "triangles".
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         count: usize,
-        /// How many are supported.
+        /// Most supported.
         limit: usize,
     },
     /// A stream's length does not match the mesh.
@@ -92,9 +92,9 @@ pub enum MeshError {
     LengthMismatch {
         /// The name of the stream.
         what: String,
-        /// How many entries it has.
+        /// Number of entries in the stream.
         found: usize,
-        /// How many the mesh needs.
+        /// Number of entries needed by the mesh.
         expected: usize,
     },
     /// An attribute's width is not 1 to 16 scalars.

@@ -1,18 +1,18 @@
-//! The guide, a chapter a module: the same text as in `docs/guide`, compiled and run with the tests.
+//! The guide, a chapter a module: the text of `docs/guide`, compiled and run with the tests.
 //!
 //! | chapter | for |
 //! |---|---|
-//! | [`start`] | ten minutes: from `cargo add` to a level of detail that follows the eye |
-//! | [`input`] | meshes, attributes, files: what goes in |
-//! | [`simplification`] | taking detail away, and what the result says of itself |
-//! | [`further`] | when it will not go further: every reason, and what helps |
+//! | [`start`] | ten minutes: from `cargo add` to a level of detail following the eye |
+//! | [`input`] | meshes, attributes, files |
+//! | [`simplification`] | removing detail, and what the result reports |
+//! | [`further`] | when simplification gets stuck: every reason, and what helps |
 //! | [`tom`] | the totally ordered mesh: any level, any frame |
 //! | [`hierarchy`] | the vertex hierarchy: fine where a view needs it |
 //! | [`wavelet`] | wavelets on meshes made by subdivision |
 //! | [`engine`] | what a frame does, and where backends differ |
 //! | [`quality`] | measuring what a level has lost |
 
-/// Where chapters name each other, they mean the modules here.
+/// Makes a chapter's module. Links between chapters resolve to these modules.
 macro_rules! chapter {
     ($name:ident, $file:literal) => {
         #[doc = "[start]: crate::guide::start"]

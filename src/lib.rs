@@ -1,6 +1,6 @@
-//! Multiresolution triangle meshes: build once, pick a level of detail whenever you like, upload the slices.
+//! Multiresolution triangle meshes: build once, pick a level of detail at any time, upload the slices.
 //!
-//! A pure Rust library that knows no graphics interface: it takes plain arrays and hands out plain slices.
+//! A pure Rust library without any graphics interface: it takes plain arrays and returns plain slices.
 //!
 //! # The tour
 //!
@@ -44,50 +44,50 @@
 //! # Ok::<(), multires::Error>(())
 //! ```
 //!
-//! # One idea
+//! # The idea
 //!
-//! Taking detail away merges vertices, one step at a time. After any number of steps the mesh is *the image of the
-//! input's triangles under the merges, less those with two equal corners*. That is all the connectivity there is, so no
-//! step can lose or corrupt any, on open, non-manifold or otherwise odd meshes either. What the structures differ in is
-//! how they get at that image quickly. Only [`wavelet`] meshes take the other way: a coarse mesh and a sum of corrections, for
-//! meshes that were made by subdivision.
+//! Simplification merges vertices, one step at a time. After any number of steps the mesh is *the image of the input's
+//! triangles under the merges, less the triangles with two equal corners*. There is no other connectivity, so no step can lose
+//! or corrupt any, on open, non-manifold or otherwise odd meshes either. The structures differ in how they compute the image
+//! quickly. Only [`wavelet`] meshes work differently: by a coarse mesh and a sum of corrections, for meshes made by
+//! subdivision.
 //!
-//! # Rooms
+//! # Modules
 //!
-//! | room | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | [`mesh`] | what comes in: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
-//! | [`simplify`] | how detail is taken away: [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
-//! | [`lod`] | the one face of all structures: [`Baked`] models, [`Lod`] instances, [`LodOptions`] |
-//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in one vertex array and one triangle array |
+//! | [`mesh`] | input: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
+//! | [`simplify`] | [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
+//! | [`lod`] | the interface common to all structures: [`Baked`] models, [`Lod`] instances, [`LodOptions`] |
+//! | [`tom`] | the [`TotallyOrderedMesh`]: every level in a vertex array and a triangle array |
 //! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh |
-//! | [`wavelet`] | the [`WaveletMesh`]: the same for meshes with subdivision connectivity, where textures stay in place |
-//! | [`view`] | where one looks from, and how large an error may be on the screen: [`View`] |
-//! | [`adapt`] | how a level of detail follows the view: the cut, ranges that changed |
-//! | `quality` | distances between meshes, signed and proven, volume, normals, textures, pictures without a graphics card (feature `quality`) |
+//! | [`wavelet`] | the [`WaveletMesh`]: fine where a view needs it, for subdivision meshes; textures stay in place |
+//! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
+//! | [`adapt`] | following a view: the cut, changed ranges |
+//! | `quality` | distances between meshes, signed and proven, volume, normals, textures, rendering on the CPU (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
-//! | [`error`] | what can be wrong with arrays that are handed in |
-//! | [`prelude`] | what most programs use; [`Error`], which every error of the crate becomes |
+//! | [`error`] | errors of input arrays |
+//! | [`prelude`] | names used by most programs; [`Error`], to which every error of the crate converts |
 //!
-//! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it will not
-//! go further, the three structures, what a frame of an engine does, measuring. Why things are as they are is in
-//! `docs/architecture.md`, figures in `docs/performance.md`.
+//! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it gets
+//! stuck, the three structures, a frame of an engine, measuring. Reasons for the design are in `docs/architecture.md`, figures
+//! in `docs/performance.md`.
 //!
 //! # Features
 //!
-//! | feature | default | what it adds |
+//! | feature | default | adds |
 //! |---|---|---|
-//! | `parallel` | yes | all cores where work divides; the bytes that come out are the same without |
-//! | `quality` | yes | the room `quality` |
-//! | `io` | | the room `io`; brings `serde` |
+//! | `parallel` | yes | use of all cores where work divides; the output bytes are equal without it |
+//! | `quality` | yes | the module `quality` |
+//! | `io` | | the module `io`; brings `serde` |
 //! | `serde` | | `Serialize` and `Deserialize` for meshes and structures, validated on the way in |
 //! | `cli` | | the program `multires`; brings `io` and `quality` |
 //!
 //! # Guarantees
 //!
 //! - **No panic on any input.** Arrays are checked once, by [`Mesh::new`] and its kin; errors name the element at fault.
-//!   Whatever passes is legal input everywhere.
-//! - **Deterministic.** The same input and options give the same bytes, for any number of threads.
+//!   Checked arrays are legal input everywhere.
+//! - **Deterministic.** Equal input and options give equal bytes, for any number of threads.
 //! - **Errors are distances**, in object units, with a stated meaning ([`Simplifier`], "The error"), never the root of a
 //!   cost.
 //! - **Stopping early is a result**, not an error, and says why ([`StopReason`](simplify::StopReason)).
@@ -124,7 +124,7 @@ pub use tom::TotallyOrderedMesh;
 pub use view::View;
 pub use wavelet::WaveletMesh;
 
-/// The code in the readme and the guide is compiled and run with the tests.
+/// Compiles and runs the code in the readme with the tests.
 #[cfg(all(doctest, feature = "io", feature = "quality"))]
 #[doc = include_str!("../README.md")]
 mod readme {}

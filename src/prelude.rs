@@ -1,4 +1,4 @@
-//! What most programs use: `use multires::prelude::*`.
+//! Names used by most programs: `use multires::prelude::*`.
 //!
 //! ```
 //! use multires::prelude::*;

@@ -1,16 +1,17 @@
-//! What a vertex must be able to do to move: be mixed with another.
+//! Blending of vertices, needed wherever vertices move.
 
 use bytemuck::Pod;
 
-/// Bytes of a number.
+/// Bytes of an `f32`.
 const NUMBER: usize = size_of::<f32>();
 
-/// A value between two of its kind.
+/// Interpolates between two values of a type.
 ///
-/// A vertex that is single-precision numbers alone needs no more than `impl Blend for Vertex {}`: each is mixed by itself.
-/// One with anything else, as colours in bytes or joints, says how that is mixed.
+/// If all fields of a vertex are `f32`, `impl Blend for Vertex {}` suffices: each field is interpolated by itself. A
+/// vertex with other fields, such as colours in bytes or joints, implements `blend`.
 ///
-/// At `t = 0` the result must be `self` and at `t = 1` `other`, exactly: a vertex at rest is where it belongs.
+/// `blend` must return exactly `self` at `t = 0` and exactly `other` at `t = 1`, so vertices at rest have their own
+/// values.
 ///
 /// ```
 /// use bytemuck::{Pod, Zeroable};
@@ -45,8 +46,8 @@ const NUMBER: usize = size_of::<f32>();
 /// # assert_eq!(a.blend(&b, 0.25).uv, [0.25; 2]);
 /// ```
 pub trait Blend: Pod {
-    /// `(1 - t) * self + t * other`; `t` is from 0 to 1. Unless implemented, of every four bytes as a number; bytes that are
-    /// left over are those of `self`, and at `t = 1` those of `other`.
+    /// Returns `(1 - t) * self + t * other`, for `t` from 0 to 1. The default reads every four bytes as an `f32`.
+    /// Remaining bytes are copied from `self`, and from `other` at `t = 1`.
     #[must_use]
     fn blend(&self, other: &Self, t: f32) -> Self {
         if t >= 1.0 {
@@ -61,9 +62,9 @@ pub trait Blend: Pod {
         mixed
     }
 
-    /// `self + t * (to - from)`: carried along by a share of another's way; `t` is from 0 to 1. At `t = 0` `self`, and at
-    /// `t = 1` `to` where `self` equals `from`, exactly. Unless implemented, `(1 - t) * self + t * to`, which is the same
-    /// where `self` equals `from`.
+    /// Returns `self + t * (to - from)`, for `t` from 0 to 1: moves `self` along with a value on its way from `from` to
+    /// `to`. At `t = 0` the result is exactly `self`. If `self == from`, the result at `t = 1` is exactly `to`. The
+    /// default returns `(1 - t) * self + t * to`, equal to the formula above if `self == from`.
     #[must_use]
     fn moved(&self, from: &Self, to: &Self, t: f32) -> Self {
         let _ = from;
@@ -77,7 +78,7 @@ impl Blend for f32 {
         if t >= 1.0 {
             *other
         } else if t <= 0.0 || self == other {
-            // Of equal values no share may round away from them.
+            // Blending equal values must not round.
             *self
         } else {
             (1.0 - t) * self + t * other

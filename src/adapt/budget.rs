@@ -1,4 +1,4 @@
-//! A cut within a number of triangles: the most urgent refinements of those that a view asks for.
+//! Keeps a cut within a number of triangles: of the refinements asked for by a view, the most urgent are kept.
 //!
 //! ```text
 //!     urgency    o----o---o-o-----o---o-----.---.--.------.--> 1     what is asked for is all above the factor;
@@ -6,11 +6,11 @@
 //!                                                                     many, or so few that more would fit
 //! ```
 //!
-//! From frame to frame the factor stays, and with it all answers that sleep. When it must move, rim and fringe are put in two
-//! heaps: the least urgent goes while there are too many, the most urgent comes while it fits, and where the most urgent does
-//! not fit, what is less urgent makes room (the dual queues of Duchaineau et al. 1997, ROAM, section 5). The result is the
-//! longest run of the most urgent that fits, with some triangles to spare: nested in the number of triangles, and the same
-//! whatever it was before.
+//! The factor stays from frame to frame, and with it all sleeping answers. To move the factor, rim and fringe are put in
+//! two heaps. While there are too many triangles, the least urgent refinement goes. While the most urgent refinement
+//! fits, it comes. If it does not fit, less urgent refinements make room (the dual queues of Duchaineau et al. 1997,
+//! ROAM, section 5). The result is the longest prefix of the refinements by urgency within the limit, with some triangles
+//! to spare. A larger limit gives a superset. The result does not depend on the previous cut.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -21,14 +21,14 @@ use super::cut::{Cut, CutReport};
 use super::front::ASKED;
 use super::refinements::Refinements;
 
-/// Shares of the budget: below the first more is tried, and the second is what the factor is set for when it moves, so that it
-/// need not move again soon.
+/// Shares of the budget. Below `ROOM * limit` triangles the budget tries to add refinements. When the factor moves, it is
+/// set for `AIM * limit` triangles, so it need not move again soon.
 const ROOM: f64 = 0.95;
 const AIM: f64 = 0.975;
-/// Sets the factor beyond what rounding may do to an urgency.
+/// Raises the factor above the rounding error of an urgency.
 const MARGIN: f64 = 1.0 + 1e-9;
 
-/// Order of urgency: parents always come before children, if the criterion is monotone.
+/// Orders refinements by urgency. If the criterion is monotone, parents come before children.
 #[derive(Debug, Clone, Copy)]
 struct Key {
     urgency: f64,
@@ -58,7 +58,7 @@ impl PartialEq for Key {
 
 impl Eq for Key {}
 
-/// A criterion with its tolerances multiplied.
+/// A criterion with its tolerances multiplied by `factor`.
 struct Coarsened<'a, C: ?Sized> {
     criterion: &'a C,
     factor: f64,
@@ -81,29 +81,33 @@ impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Coarsened<'_, C> {
 #[derive(Debug, Clone)]
 pub(crate) struct Budget {
     limit: usize,
-    /// Tolerances are multiplied by it.
+    /// Factor of all tolerances.
     factor: f64,
     /// Triangles of the cut.
     triangles: usize,
-    /// Asked for, least urgent first, and not asked for, most urgent first. Entries may be out of date.
+    /// Heaps of refinements asked for (`rim`, least urgent first) and not asked for (`fringe`, most urgent first).
+    /// Entries may be out of date.
     rim: BinaryHeap<Reverse<Key>>,
     fringe: BinaryHeap<Key>,
 }
 
 impl Budget {
-    /// `triangles`: what the cut has now.
+    /// Creates a budget of `limit` triangles for a cut with `triangles` triangles.
     pub fn new(limit: usize, triangles: usize) -> Self {
         Self { limit, factor: 1.0, triangles, rim: BinaryHeap::new(), fringe: BinaryHeap::new() }
     }
 
-    /// Changes the number of triangles.
+    /// Sets the limit of triangles.
     pub fn set_limit(&mut self, limit: usize) {
         self.limit = limit;
     }
 
-    /// Moves a cut to the most urgent of what the criterion needs that fits. `cost` is asked once for each refinement that
-    /// comes (`true`) or goes, in the order in which that happens: the triangles that it then adds or takes away, which may
-    /// depend on what else is there; never more away than there are. `apply` is told what comes and goes. Only after the call is the cut within the budget.
+    /// Moves a cut to the most urgent refinements needed by the criterion, within the limit. The cut is within the budget
+    /// only after the call.
+    ///
+    /// `cost` is called once for each refinement which comes (`true`) or goes (`false`), in order. It returns the number
+    /// of triangles added or removed by this step, which may depend on the refinements then in the mesh. It must not
+    /// remove more triangles than there are. `apply` is called with each refinement which comes or goes.
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         cut: &mut Cut,
@@ -125,9 +129,9 @@ impl Budget {
             apply(r, comes);
         };
         let mut tests = 0;
-        // Beyond this it is no use to take in all that is asked for before letting most of it go.
+        // Above the cap, the heaps are cheaper than adding all refinements asked for and removing most of them.
         let cap = self.limit.saturating_add(self.limit / 4);
-        // An endless factor has no answers that sleep.
+        // At an infinite factor no answers sleep.
         let mut settled = self.factor.is_finite();
         if settled {
             let wanted = Coarsened { criterion, factor: self.factor };
@@ -143,7 +147,8 @@ impl Budget {
         if !settled {
             tests += self.balance(cut, of, criterion, &mut count);
             if self.factor.is_finite() {
-                // Puts all to sleep by the new factor; what is as urgent as what did not fit goes too.
+                // Puts all refinements to sleep with the new factor. Refinements as urgent as the first excluded
+                // refinement go too.
                 let wanted = Coarsened { criterion, factor: self.factor };
                 let (_, asked) = cut.update_while(of, &wanted, Motion::Other, |_, r, comes| {
                     count(&mut self.triangles, r, comes);
@@ -245,7 +250,7 @@ impl Budget {
         tests
     }
 
-    /// Bytes of its heaps.
+    /// Bytes of the heaps.
     pub fn memory(&self) -> usize {
         (self.rim.capacity() + self.fringe.capacity()) * size_of::<Key>()
     }
@@ -255,7 +260,7 @@ impl Budget {
 mod tests {
     use super::*;
 
-    /// A binary tree: what is nested in `r` is `2 r + 1` and `2 r + 2`.
+    /// A binary tree: the children of `r` are `2 r + 1` and `2 r + 2`.
     struct Tree(u32);
 
     impl Refinements for Tree {
@@ -286,7 +291,7 @@ mod tests {
         }
     }
 
-    /// More urgent the nearer the root, and on one side.
+    /// A criterion with urgency falling from the root to the leaves, and `left` as the share of left children.
     struct Towards {
         left: f64,
         tolerance: f64,
@@ -311,7 +316,7 @@ mod tests {
         }
     }
 
-    /// Two that lie side by side add more than each by itself.
+    /// Two siblings together add more triangles than each alone.
     fn adds(there: &[bool], r: u32) -> usize {
         let beside = if r == 0 { false } else { there[((r - 1) ^ 1) as usize + 1] };
         2 + usize::from(beside)

@@ -1,19 +1,19 @@
-//! What one move of an instance did.
+//! Report of one call of an instance's `adapt`.
 
 use super::CutReport;
 
-/// What one call of [`Lod::adapt`](crate::lod::Lod::adapt) did.
+/// Counts from one call of [`Lod::adapt`](crate::lod::Lod::adapt).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Change {
-    /// Tests, and the splits and collapses of what is drawn.
+    /// Tests, and the splits and collapses applied to the drawn mesh.
     pub cut: CutReport,
-    /// Triangles drawn now.
+    /// Triangles drawn after the call.
     pub triangles: usize,
-    /// Splits and collapses that are still to come before what is drawn is what the view asks for.
+    /// Splits and collapses still to come until the drawn mesh is the mesh asked for by the view.
     pub pending: usize,
     /// Splits and collapses whose vertices are moving.
     pub moving: usize,
-    /// Whether even the coarsest mesh, drawn now, has more triangles than the budget.
+    /// Whether the drawn mesh has more triangles than the budget; then it is the coarsest mesh.
     pub over_budget: bool,
 }

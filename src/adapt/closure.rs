@@ -1,25 +1,28 @@
-//! The smallest closed set that holds what is asked for: counting who needs whom.
+//! The smallest closed set containing all refinements asked for, by reference counts.
 //!
-//! A refinement is in the mesh if it is asked for or needed by one that is. Needs have no cycles, so a count of the
-//! refinements in the mesh that need each one says just that, in whatever order requests come and go.
+//! A refinement is in the mesh if it is asked for, or if another refinement in the mesh needs it. Each refinement has a
+//! count of the refinements in the mesh needing it. Needs have no cycles, so the count decides membership, in any order
+//! of requests.
 
 use super::front::{ASKED, DONE};
 use super::refinements::Refinements;
 
 #[derive(Debug, Clone)]
 pub(super) struct Closure {
-    /// How many refinements in the mesh need each one; empty where nothing needs more than its parents.
+    /// Per refinement, how many refinements in the mesh need it. Empty if no refinement has dependencies besides its
+    /// parents.
     held: Vec<u32>,
     stack: Vec<(u32, bool)>,
 }
 
 impl Closure {
-    /// `dependencies`: whether any refinement needs more than its parents.
+    /// `dependencies`: whether any refinement has dependencies besides its parents.
     pub fn new(count: usize, dependencies: bool) -> Self {
         Self { held: if dependencies { vec![0; count] } else { Vec::new() }, stack: Vec::new() }
     }
 
-    /// Takes in that `r` is asked for now, or no longer; `apply` is told what comes into the mesh or goes, in order.
+    /// Records a change of the request for `r`: asked for from now on, or no longer. `apply` is called with each
+    /// refinement which then comes into the mesh or goes, in order.
     pub fn change<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -29,7 +32,7 @@ impl Closure {
         apply: &mut impl FnMut(&[u8], u32, bool),
     ) {
         if self.held.is_empty() {
-            // What is asked for is closed under parents by itself.
+            // Refinements asked for are already closed under parents.
             state[r as usize] ^= DONE;
             apply(state, r, asked);
         } else if asked {
@@ -84,7 +87,7 @@ impl Closure {
         }
     }
 
-    /// Bytes of its arrays.
+    /// Bytes of the counts.
     pub fn memory(&self) -> usize {
         size_of_val(&self.held[..])
     }

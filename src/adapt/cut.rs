@@ -1,4 +1,4 @@
-//! A cut through a structure's refinements: the smallest closed set that holds all that a view asks for.
+//! A cut through a structure's refinements: the smallest closed set containing all refinements asked for by a view.
 
 use crate::view::{Criterion, Motion};
 
@@ -6,22 +6,22 @@ use super::closure::Closure;
 use super::front::{ASKED, DONE, Front};
 use super::refinements::Refinements;
 
-/// What one move of a cut did.
+/// Counts from one update of a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct CutReport {
-    /// Refinements whose need was tested.
+    /// Refinements tested by the criterion.
     pub tests: usize,
-    /// Refinements that came into the mesh.
+    /// Refinements added to the mesh.
     pub splits: usize,
-    /// Refinements that went out of it.
+    /// Refinements removed from the mesh.
     pub collapses: usize,
 }
 
-/// Which refinements are in the mesh.
+/// A set of refinements: the refinements in the mesh.
 ///
-/// After [`Cut::update`] it is the smallest set that holds every refinement that the criterion needs and is closed under
-/// parents and needs. It depends on the criterion alone, not on where the cut was before.
+/// After a frame it is the smallest set containing every refinement needed by the criterion and closed under
+/// parents and dependencies. It depends on the criterion alone, not on the previous cut.
 #[derive(Debug, Clone)]
 pub struct Cut {
     pub(super) front: Front,
@@ -29,9 +29,9 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The coarsest cut: no refinement. `size` is the length over which the object extends, object units; `dependencies` is whether
-    /// any refinement has needs besides its parents. 5 bytes a refinement, 9 with needs.
-    pub fn new(count: usize, size: f64, dependencies: bool) -> Self {
+    /// Creates the coarsest cut, without refinements. `size` is the length of the object, object units. `dependencies`
+    /// says whether any refinement has dependencies besides its parents. Takes 5 bytes a refinement, 9 with dependencies.
+    pub(crate) fn new(count: usize, size: f64, dependencies: bool) -> Self {
         Self { front: Front::new(count, size), closure: Closure::new(count, dependencies) }
     }
 
@@ -40,17 +40,19 @@ impl Cut {
         self.front.state.get(refinement as usize).is_some_and(|s| s & DONE != 0)
     }
 
-    /// Whether the view asks for a refinement (it may also be there because others need it).
+    /// Whether the view asks for a refinement. A refinement not asked for may still be in the mesh, if others need it.
     pub fn asks_for(&self, refinement: u32) -> bool {
         self.front.state.get(refinement as usize).is_some_and(|s| s & ASKED != 0)
     }
 
-    /// Moves the cut to what `criterion` needs now. `motion` is what has happened to it since the last call. `apply` is told
-    /// each refinement that comes (`true`) or goes, and may ask by the function it is handed which are there; after every
-    /// call the set is closed.
+    /// Moves the cut to the refinements now needed by `criterion`. `motion` is the criterion's motion since the last
+    /// call.
     ///
-    /// Cost: one test for each refinement at the cut whose answer may have changed, plus what changes.
-    pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    /// `apply` is called with the flags of all refinements, a refinement, and `true` if the refinement comes or `false`
+    /// if it goes. The set is closed after each call.
+    ///
+    /// Cost: one test for each refinement at the cut with an answer due, plus the refinements which come and go.
+    pub(crate) fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
@@ -70,8 +72,8 @@ impl Cut {
         CutReport { tests, splits, collapses }
     }
 
-    /// The same, but `apply` may say no to go on; then the set is closed, and nothing else is promised of it. Whether it
-    /// never did, and the number of tests.
+    /// Moves the cut as [`Cut::update`] does, until `apply` returns `false`. If stopped, the cut is closed, but need not
+    /// be the cut of the criterion. Returns whether the update was completed, and the number of tests.
     pub(super) fn update_while<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
@@ -89,13 +91,13 @@ impl Cut {
         (all, (front.tests - before) as usize)
     }
 
-    /// Bytes of its arrays.
+    /// Bytes of the cut's arrays.
     pub fn memory(&self) -> usize {
         self.front.memory() + self.closure.memory()
     }
 }
 
-/// Whether a refinement is in the mesh, by the flags that [`Cut::update`] hands out.
+/// Whether a refinement is in the mesh, by the flags passed to the `apply` of [`Cut::update`].
 #[inline]
 pub(crate) fn is_done(state: &[u8], refinement: u32) -> bool {
     state[refinement as usize] & DONE != 0

@@ -1,15 +1,15 @@
-//! Which elements of a buffer were written since somebody last asked.
+//! Tracks the elements of a buffer written since the last clear.
 
 use std::ops::Range;
 
-/// One bit an element.
+/// A set of written elements, one bit an element.
 #[derive(Debug, Clone, Default)]
 pub struct Dirty {
     words: Vec<u64>,
 }
 
 impl Dirty {
-    /// Marks an element. Grows as needed.
+    /// Marks an element. Grows the set if needed.
     #[inline]
     pub fn mark(&mut self, element: u32) {
         let word = element as usize / 64;
@@ -19,7 +19,7 @@ impl Dirty {
         self.words[word] |= 1 << (element % 64);
     }
 
-    /// Marks all of `0..count`.
+    /// Marks all elements of `0..count`.
     pub fn mark_all(&mut self, count: usize) {
         self.words.resize(count.div_ceil(64).max(self.words.len()), 0);
         self.words[..count / 64].fill(u64::MAX);
@@ -33,18 +33,19 @@ impl Dirty {
         self.words.fill(0);
     }
 
-    /// The marked elements below `count` as ascending ranges; those that at most `gap` unmarked elements part are one.
-    /// O(count / 64 + ranges).
+    /// Returns the marked elements below `count` as ascending ranges. Ranges at most `gap` unmarked elements apart are
+    /// joined. O(count / 64 + ranges).
     pub fn ranges(&self, count: usize, gap: usize) -> DirtyRanges<'_> {
         self.ranges_of(0..count, gap)
     }
 
-    /// The marked elements of a range, likewise, counted from its start.
+    /// Returns the marked elements of a range as ascending ranges, as [`Dirty::ranges`] does, with indices relative to
+    /// its start.
     pub(crate) fn ranges_of(&self, of: Range<usize>, gap: usize) -> DirtyRanges<'_> {
         DirtyRanges { words: &self.words, at: of.start, start: of.start, count: of.end.max(of.start), gap }
     }
 
-    /// Forgets the marks of a range. O(its length / 64).
+    /// Forgets the marks of a range. O(length / 64).
     pub(crate) fn clear_range(&mut self, of: Range<usize>) {
         let end = of.end.min(self.words.len() * 64);
         let mut at = of.start;
@@ -56,31 +57,31 @@ impl Dirty {
         }
     }
 
-    /// Bytes held.
+    /// Bytes held by the marks.
     pub fn memory(&self) -> usize {
         size_of_val(&self.words[..])
     }
 }
 
-/// Ranges of elements that changed, ascending and apart; see [`Dirty::ranges`].
+/// Iterates over ranges of marked elements, ascending and disjoint; see [`Dirty::ranges`].
 #[derive(Debug, Clone)]
 pub struct DirtyRanges<'a> {
     words: &'a [u64],
     at: usize,
-    /// What elements are counted from.
+    /// Origin of the returned indices.
     start: usize,
-    /// One behind the last element.
+    /// End of the range searched.
     count: usize,
     gap: usize,
 }
 
 impl DirtyRanges<'_> {
-    /// No ranges.
+    /// Creates an iterator without ranges.
     pub(crate) fn none() -> Self {
         Self { words: &[], at: 0, start: 0, count: 0, gap: 0 }
     }
 
-    /// First element from `from` on that is marked (or not), at most `count`.
+    /// Returns the first element from `from` on with the given mark, or `count`.
     fn seek(&self, from: usize, marked: bool) -> usize {
         let word = |index: usize| {
             let w = self.words.get(index).copied().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Between the cut that a view asks for and what is shown: a budget of triangles, and so much a frame.
+//! Limits between the cut asked for by a view and the shown mesh: a budget of triangles, and operations a frame.
 
 use crate::view::{Criterion, Motion};
 
@@ -8,7 +8,7 @@ use super::cut::Cut;
 use super::refinements::Refinements;
 use super::transitions::{Limits, RefinementSink, Transitions};
 
-/// What a level of detail with limits, or with vertices that move, keeps besides its cut.
+/// State kept besides the cut, if a level of detail has limits or moving vertices.
 #[derive(Debug, Clone)]
 pub(crate) struct FrameLimits {
     operations: usize,
@@ -18,13 +18,13 @@ pub(crate) struct FrameLimits {
 }
 
 impl FrameLimits {
-    /// Where the cut is what is shown, in so many triangles. `moves`: whether vertices may move.
+    /// Starts with the cut shown, in `triangles` triangles. `moves`: whether vertices may move.
     pub fn new<R: Refinements + ?Sized>(of: &R, cut: &Cut, triangles: usize, moves: bool) -> Self {
         let transitions = Transitions::new(of, |r| cut.holds(r), triangles, moves);
         Self { operations: usize::MAX, triangles: usize::MAX, budget: None, transitions }
     }
 
-    /// Sets the limits of triangles and of operations. The cut has `at_cut` triangles.
+    /// Sets the limits of triangles and of operations a frame. `at_cut` is the number of triangles of the cut.
     pub fn set(&mut self, triangles: Option<usize>, operations: Option<usize>, at_cut: usize) {
         self.operations = operations.unwrap_or(usize::MAX);
         self.triangles = triangles.unwrap_or(usize::MAX);
@@ -39,9 +39,11 @@ impl FrameLimits {
         self.transitions.shows(r)
     }
 
-    /// One frame: vertices go on by `progress`, the cut moves to what the criterion needs within the budget, and the picture
-    /// follows as far as it may. `cost` is asked once for each refinement that comes into the cut or goes, in that order: the
-    /// triangles that it then adds to the mesh at the cut or takes from it. It is not asked where there is no budget.
+    /// Runs one frame. Vertices advance by `progress`, the cut moves to the refinements needed within the budget, and the
+    /// shown mesh follows the cut within the limits.
+    ///
+    /// `cost` is called once for each refinement which comes into the cut or goes, in order. It returns the number of
+    /// triangles added to the mesh at the cut, or removed from it, by this step. Without a budget it is not called.
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         (of, cut): (&R, &mut Cut),
@@ -65,7 +67,7 @@ impl FrameLimits {
         let (splits, collapses) = transitions.run(of, limits, sees, sink);
         (report.splits, report.collapses) = (splits, collapses);
         if transitions.triangles() > *triangles && transitions.pending() > 0 {
-            // The number of triangles was lowered: that cannot wait.
+            // The limit of triangles was lowered: it must hold in this frame.
             let (splits, collapses) = settle(transitions, of, sink);
             report.splits += splits;
             report.collapses += collapses;
@@ -79,18 +81,18 @@ impl FrameLimits {
         }
     }
 
-    /// Shows what is wanted, at once.
+    /// Shows all wanted refinements, at once.
     pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         settle(&mut self.transitions, of, sink);
     }
 
-    /// Bytes of its arrays.
+    /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         self.transitions.memory() + self.budget.as_ref().map_or(0, Budget::memory)
     }
 }
 
-/// The numbers that came and went.
+/// Shows all wanted refinements at once. Returns the numbers of splits and collapses.
 fn settle<R: Refinements + ?Sized>(
     transitions: &mut Transitions,
     of: &R,

@@ -1,4 +1,4 @@
-//! Which refinements a view asks for, kept up to date by looking only at those whose answer may have changed.
+//! The refinements asked for by a view, kept up to date by testing only refinements with answers due.
 //!
 //! ```text
 //!              o          asked for: all that it needs is asked for too
@@ -8,12 +8,13 @@
 //!        .   .   .   .    the fringe: not asked for, but all that it needs is     -> may come
 //! ```
 //!
-//! An answer comes with a slack: how far the eye may move and turn before it can change. Nobody asks again until then. There
-//! is one odometer for each of some *arms*: it runs by what the eye moved or by what the end of the arm swept, whichever is
-//! more. A sleeper goes by the one on which, if all goes on as it last went, it sleeps longest.
+//! Each answer has a slack: how far the eye may move and turn before the answer can change. Until then the refinement
+//! sleeps. There is an odometer for each of several *arms*. It advances by the larger of the distance moved by the eye
+//! and the arc swept by the end of the arm. A refinement sleeps by the odometer with the longest sleep, if the motion
+//! continues as in the last frame.
 //!
-//! Since tests are monotone in nested bounds, looking at rim and fringe finds all there is; and since an answer depends on
-//! the view alone, so does the set, whatever it was before.
+//! Tests are monotone in nested bounds, so testing rim and fringe finds all refinements needed. An answer depends on the
+//! view alone, so the set does not depend on its previous state.
 
 use crate::view::{Answer, Criterion, Motion};
 
@@ -22,24 +23,24 @@ use super::wheel::Wheel;
 
 /// Asked for by the view.
 pub(super) const ASKED: u8 = 1;
-/// Its last answer still holds.
+/// The last answer still holds.
 const ASLEEP: u8 = 2;
-/// In the mesh: asked for, or needed by what is.
+/// In the mesh: asked for, or needed by a refinement in the mesh.
 pub(super) const DONE: u8 = 4;
 
-/// Known to be of the rim or the fringe, so that most sleepers who wake need not look at their neighbours.
+/// Known to be on the rim or the fringe, so most woken sleepers need not look at their neighbours.
 const AT_FRONT: u8 = 8;
 
-/// Number of arms, each half of the next; the longest is the object's size times `2^LONGEST`.
+/// Number of arms, each half as long as the previous arm. The longest arm is the object's size times `2^LONGEST`.
 const ARMS: usize = 16;
 const LONGEST: i32 = 3;
-/// A share of every slack that is kept for what the last motion did not do: one in so many.
+/// About `1 / KEPT` of every slack is kept for changes in the direction of motion.
 const KEPT: f64 = 16.0;
 
-/// Shrinks slacks by more than what sums of floats lose.
+/// Shrinks slacks by more than the rounding error of sums.
 const CAUTION: f64 = 1.0 - 1e-9;
 
-/// A slack as it is waited for: none where it is not a number, as where both of its parts are 0.
+/// Shrinks a slack for waiting. Returns 0 if the slack is NaN, as when both of its parts are 0.
 fn caution(slack: f64) -> f64 {
     if slack > 0.0 { slack * CAUTION } else { 0.0 }
 }
@@ -49,21 +50,21 @@ pub(super) struct Front {
     /// Flags of every refinement.
     pub state: Vec<u8>,
     next: Vec<u32>,
-    /// Those that only moving wakes; then those that turning wakes too, by arm.
+    /// Wheel of the sleepers woken by moving alone, then, by arm, wheels of the sleepers woken by turning too.
     wheels: [Wheel; 1 + ARMS],
     /// Length of the arm of every wheel.
     arms: [f64; 1 + ARMS],
-    /// What the last motion moved for each radian that it turned.
+    /// Distance moved for each radian turned, in the last motion.
     course: f64,
     pub work: Vec<u32>,
-    /// Answers asked for so far.
+    /// Tests so far.
     pub tests: u64,
 }
 
 impl Front {
-    /// Nothing asked for, nothing known. `size` is the object's, object units.
+    /// Creates an empty set without answers. `size` is the object's size, object units.
     pub fn new(count: usize, size: f64) -> Self {
-        // Not so short that there is no number for a tick.
+        // Keeps the tick a normal number.
         let tick = if size > 1e-290 { size * 1e-6 } else { 1.0 };
         Self {
             state: vec![0; count],
@@ -78,8 +79,9 @@ impl Front {
         }
     }
 
-    /// Moves the set to what is asked for now. `changed` is told every change in an order in which each step is closed, and
-    /// may say no to go on: then the set is closed, but no more than that, and no answer is known.
+    /// Moves the set to the refinements asked for now. `changed` is called with each change, in an order which keeps the
+    /// set closed. If it returns `false`, the update stops, all answers are forgotten, and the set is closed but not
+    /// complete. Returns whether the update was completed.
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
@@ -111,7 +113,7 @@ impl Front {
             if answer.refine == asked {
                 continue;
             }
-            // Those for whom the rim has moved: on one side they leave the front, on the other they may have come to it.
+            // The rim has moved. Refinements on one side leave the front, refinements on the other may have come to it.
             let Self { state, work, .. } = self;
             let mut leave = |other: u32| state[other as usize] &= !AT_FRONT;
             if asked {
@@ -125,7 +127,7 @@ impl Front {
         true
     }
 
-    /// Whether it is on the rim or the fringe.
+    /// Whether a refinement is on the rim or the fringe.
     #[inline]
     pub fn is_due<R: Refinements + ?Sized>(&self, of: &R, r: u32) -> bool {
         if self.state[r as usize] & ASKED != 0 {
@@ -135,14 +137,14 @@ impl Front {
         }
     }
 
-    /// Forgets all answers and who is at the front, not what they led to.
+    /// Forgets all answers and front flags, but not the set.
     pub fn forget(&mut self) {
         self.wheels.iter_mut().for_each(Wheel::clear);
         self.state.iter_mut().for_each(|s| *s &= !(ASLEEP | AT_FRONT));
         self.work.clear();
     }
 
-    /// Hands out the rim and the fringe, some of it twice, and more; check with [`Front::is_due`].
+    /// Returns the rim and the fringe, with duplicates and with others. Check each with [`Front::is_due`].
     pub fn candidates<R: Refinements + ?Sized>(&mut self, of: &R) -> &[u32] {
         self.forget();
         self.wake(of, Motion::Other);
@@ -159,13 +161,13 @@ impl Front {
             }
             return;
         }
-        // The arm nearest to the course. Exponents are near enough to logarithms.
+        // The arm nearest to the course. Exponents approximate logarithms well enough.
         let ratio = moved.max(f64::MIN_POSITIVE) / turned;
         let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
         let exponent = |x: f64| (x.to_bits() >> 52) as i32;
         let halvings = exponent(self.arms[1]) - exponent(arm);
         let wheel = halvings.clamp(0, ARMS as i32 - 1) as usize + 1;
-        // The odometer may run by `slack` in moving and at the same time in turning.
+        // The odometer may advance by `slack` in moving and at the same time in turning.
         let turned = turned * self.arms[wheel];
         let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
         self.wheels[wheel].put(r, caution(slack), &mut self.next);
@@ -205,7 +207,7 @@ impl Front {
 }
 
 impl Front {
-    /// Bytes of its arrays.
+    /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         self.state.len() + size_of_val(&self.next[..]) + self.wheels.iter().map(Wheel::memory).sum::<usize>()
     }

@@ -1,20 +1,20 @@
-//! How a level of detail follows the view: the cut, what it asks for, and what of the output changed.
+//! View-dependent adaption: the cut, the refinements asked for, and the changed parts of the output.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `refinements.rs` | [`Refinements`]: what the cut needs to know of a structure |
-//! | `front.rs` | what a view asks for, kept up to date by asking only where the answer may have changed |
-//! | `wheel.rs` | sleepers by how far the eye may go until they are looked at again |
-//! | `closure.rs` | the smallest closed set that holds what is asked for |
-//! | `cut.rs` | [`Cut`]: the three together |
-//! | `budget.rs` | the same within a number of triangles: the most urgent, found by two heaps over rim and fringe |
-//! | `transitions.rs` | what is shown follows the cut: so much a frame, smoothly if asked for |
-//! | `frame_limits.rs` | between the cut and what is shown: budgets, and how much a frame |
-//! | `tolerance.rs` | a factor for all tolerances that may turn every frame |
-//! | `geomorph.rs` | [`Geomorph`]: how long a transition takes |
-//! | `blend.rs` | [`Blend`]: what a vertex must be able to do to move |
-//! | `change.rs` | [`Change`]: what one move of an instance did |
-//! | `dirty.rs` | [`Dirty`]: ranges of a buffer that changed |
+//! | `refinements.rs` | [`Refinements`]: a structure, as seen by the cut |
+//! | `front.rs` | refinements asked for by a view, updated by testing only refinements with answers due |
+//! | `wheel.rs` | sleeping refinements, by the motion of the eye until their next test |
+//! | `closure.rs` | the smallest closed set containing all refinements asked for |
+//! | `cut.rs` | [`Cut`]: front, wheel and closure together |
+//! | `budget.rs` | a cut within a number of triangles: the most urgent refinements, by two heaps over rim and fringe |
+//! | `transitions.rs` | the shown mesh follows the cut: limited a frame, smoothly if asked for |
+//! | `frame_limits.rs` | limits between the cut and the shown mesh: triangles, and operations a frame |
+//! | `tolerance.rs` | a factor of all tolerances, which may change every frame |
+//! | `geomorph.rs` | [`Geomorph`]: duration of a transition |
+//! | `blend.rs` | [`Blend`]: interpolation of vertices |
+//! | `change.rs` | [`Change`]: report of one `adapt` |
+//! | `dirty.rs` | [`Dirty`]: changed ranges of a buffer |
 
 mod blend;
 mod budget;

@@ -1,40 +1,40 @@
-//! What the cut needs to know of a structure.
+//! The interface between a structure and the cut.
 
-/// A partially ordered set of refinements, numbered so that each comes after those it needs.
+/// A partially ordered set of refinements. Each refinement has a larger number than its parents and dependencies.
 ///
-/// *Parents* are those that a refinement is nested in: their bounds contain its own. *Needs* are further ones that must
-/// be in the mesh before it, for whatever reason.
+/// *Parents* of a refinement are refinements whose bounds contain its bounds. *Dependencies* (*needs*) are further
+/// refinements which must be in the mesh before it.
 pub trait Refinements {
-    /// What a [`Criterion`](crate::view::Criterion) is told of a refinement: small, since it is handed over by value.
+    /// Bounds of a refinement, as passed to a [`Criterion`](crate::view::Criterion). Small, since passed by value.
     type Bounds: Copy;
 
-    /// How many there are.
+    /// Returns the number of refinements.
     fn len(&self) -> usize;
 
-    /// Whether there are none.
+    /// Whether there are no refinements.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Those without parents.
+    /// Returns the refinements without parents.
     fn roots(&self) -> impl Iterator<Item = u32>;
 
-    /// What a refinement and all its children can change.
+    /// Returns bounds of the changes made by a refinement and all its descendants.
     fn bounds(&self, refinement: u32) -> Self::Bounds;
 
-    /// Which of equally urgent refinements comes first within a budget of triangles: that with the larger error, then that with
-    /// the smaller number. Must be no larger than its parents'. Unless implemented, it is the number that counts.
+    /// Returns the error used to order refinements of equal urgency within a budget of triangles: larger errors come
+    /// first, then smaller numbers. Must not exceed the errors of the parents. By default only the number counts.
     fn error(&self, refinement: u32) -> f32 {
         let _ = refinement;
         0.0
     }
 
-    /// Those that it is nested in.
+    /// Returns the parents: refinements whose bounds contain this refinement's bounds.
     fn parents(&self, refinement: u32) -> impl Iterator<Item = u32>;
 
-    /// Those that are nested in it.
+    /// Returns the children: refinements with this refinement as a parent.
     fn children(&self, refinement: u32) -> impl Iterator<Item = u32>;
 
-    /// Those that must be in the mesh before it, besides its parents.
+    /// Returns the dependencies: refinements besides the parents which must be in the mesh before this refinement.
     fn dependencies(&self, refinement: u32) -> impl Iterator<Item = u32>;
 }

@@ -1,4 +1,4 @@
-//! A factor for all tolerances that may turn every frame, without all answers being asked for again.
+//! A factor of all tolerances, which may change every frame without retesting all refinements.
 //!
 //! ```text
 //!     error x reach    ----o--o---|--o-(--o-|-o--)-o---|---o-->    within ( ): answered for the factor alone, asked again
@@ -6,22 +6,22 @@
 //!                                                                  from one end of the band to the other, and asleep
 //! ```
 //!
-//! Whether a refinement is needed falls with the factor. So where it is needed at the upper end of a band of factors, or not
-//! needed at the lower end, that holds for all of them.
+//! If a refinement is needed at some factor, it is needed at every smaller factor. So if it is needed at the upper end of
+//! a band of factors, or not needed at the lower end, the answer holds for the whole band.
 
 use crate::view::{Answer, Criterion, Motion};
 
-/// By how much the factor may turn, up or down, until all answers are asked for again.
+/// Ratio of the factor to the middle of the band, up or down, beyond which all refinements are tested again.
 const BAND: f64 = 1.05;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tolerance {
     factor: f32,
-    /// The factor that answers were last given for.
+    /// Factor at the last update.
     answered: f32,
-    /// The middle of the band that answers hold for; not a number where there is none.
+    /// Middle of the band of factors for which answers hold; NaN if there are no answers.
     middle: f64,
-    /// Whether it was ever turned.
+    /// Whether the factor was ever changed.
     turns: bool,
 }
 
@@ -36,7 +36,7 @@ impl Tolerance {
         self.factor
     }
 
-    /// Turns it; numbers that are not above 0, or endless, are ignored.
+    /// Sets the factor. Ignores factors which are not positive and finite.
     pub fn set(&mut self, factor: f32) {
         if factor > 0.0 && factor.is_finite() {
             self.turns |= factor != self.factor;
@@ -44,18 +44,19 @@ impl Tolerance {
         }
     }
 
-    /// Whether it was never turned: criteria may be asked as they are.
+    /// Whether the factor was never changed. Then criteria may be used without scaling.
     pub fn is_one(&self) -> bool {
         !self.turns
     }
 
-    /// A criterion with its tolerances multiplied, and what has happened to it where `motion` has happened to the criterion.
+    /// Returns the criterion with its tolerances multiplied, and the motion of the scaled criterion. `motion` is the
+    /// motion of the unscaled criterion.
     pub fn scale<'a, C: ?Sized>(&mut self, criterion: &'a C, motion: Motion) -> (Scaled<'a, C>, Motion) {
         let factor = f64::from(self.factor);
         let turned = self.factor != self.answered;
         let motion = match motion {
             Motion::Moved { distance, angle } if self.holds(factor) => {
-                // Any distance wakes those who cannot sleep at all.
+                // Any distance above 0 wakes sleepers without slack.
                 let least = if turned { f64::MIN_POSITIVE } else { 0.0 };
                 Motion::Moved { distance: distance.max(least), angle }
             }
@@ -74,7 +75,7 @@ impl Tolerance {
     }
 }
 
-/// A criterion with its tolerances multiplied by a factor. Answers hold for a band of factors.
+/// A criterion with its tolerances multiplied by a factor. Its answers hold for a band of factors.
 pub(crate) struct Scaled<'a, C: ?Sized> {
     criterion: &'a C,
     factor: f64,

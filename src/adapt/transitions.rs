@@ -1,4 +1,4 @@
-//! What is shown follows what is wanted: so much a frame, closed after every step, smoothly if asked for.
+//! The shown mesh follows the wanted refinements: limited a frame, closed after every step, smoothly if asked for.
 //!
 //! ```text
 //!     wanted, not shown   first all that it builds on, then itself; its vertices start where their substitutes are
@@ -7,8 +7,8 @@
 //!     wanted again        turns round where it is
 //! ```
 //!
-//! What is wanted is closed, so whatever builds on an unwanted refinement is unwanted itself. Hence an unwanted one that must
-//! wait need not stand in the queue: whoever it waits for calls it.
+//! The wanted set is closed, so refinements which build on an unwanted refinement are unwanted too. An unwanted
+//! refinement which must wait for others is not queued: the last of the others calls it.
 
 use std::collections::VecDeque;
 
@@ -16,31 +16,31 @@ use crate::mesh::NONE;
 
 use super::refinements::Refinements;
 
-/// The mesh that shows refinements, and whoever moves its vertices.
+/// The mesh which shows refinements, with its moving vertices.
 pub(crate) trait RefinementSink {
     /// Triangles drawn.
     fn triangles(&self) -> usize;
-    /// Triangles that a refinement would add now; of one that is shown and may go, those that it would take away.
+    /// Triangles added now by a refinement. For a shown refinement which may go: triangles removed.
     fn cost(&self, r: u32) -> usize;
-    /// All transitions go on by a share of their way.
+    /// Advances all transitions by a share of their way.
     fn advance(&mut self, progress: f32);
-    /// A refinement comes, all that it builds on is there; `there` says what is, itself included. If `smoothly`, its vertices
-    /// start at their substitutes.
+    /// Adds a refinement. All refinements it builds on are shown. `there` tells shown refinements, itself included. If
+    /// `smoothly`, its vertices start at their substitutes.
     fn refine(&mut self, r: u32, smoothly: bool, there: impl Fn(u32) -> bool + Copy);
-    /// A refinement goes, nothing builds on it.
+    /// Removes a refinement. No shown refinement builds on it.
     fn coarsen(&mut self, r: u32);
-    /// Its vertices start to move to their substitutes, from where they are.
+    /// Starts to move a refinement's vertices to their substitutes, from their current values.
     fn close(&mut self, r: u32);
-    /// Its vertices start to move to their own places, from where they are.
+    /// Starts to move a refinement's vertices to their own places, from their current values.
     fn reopen(&mut self, r: u32);
 }
 
-/// What may be done in one frame.
+/// Limits of one frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
-    /// Most refinements that come or go.
+    /// Maximum number of refinements which come or go.
     pub operations: usize,
-    /// Most triangles.
+    /// Maximum number of triangles.
     pub triangles: usize,
     /// Whether new transitions take time.
     pub smooth: bool,
@@ -52,36 +52,36 @@ impl Limits {
 
 const SHOWN: u8 = 1;
 const WANTED: u8 = 2;
-/// In the queue of those to come, or to go.
+/// In the queue of refinements to come (`COMING`), or to go (`GOING`).
 const COMING: u8 = 4;
 const GOING: u8 = 8;
-/// In transition to its substitutes.
+/// Moving to the substitutes of its vertices.
 const CLOSING: u8 = 16;
-/// Whether it was wanted when last taken in, and whether that may have changed since.
+/// `AIM`: wanted at the last call of `take_in`. `NOTED`: the wish may have changed since.
 const AIM: u8 = 32;
 const NOTED: u8 = 64;
 
 #[derive(Debug, Clone)]
 struct Transition {
     refinement: u32,
-    /// Share of the way gone.
+    /// Share of the way travelled.
     weight: f32,
 }
 
 #[derive(Debug, Clone)]
 pub(crate) struct Transitions {
     state: Vec<u8>,
-    /// How many that are shown build on each, and how many of them are closing.
+    /// Per refinement, how many shown refinements build on it (`held`), and how many of them are closing (`closing`).
     held: Vec<u32>,
     closing: Vec<u32>,
-    /// Per refinement its transition, or `NONE`; empty where there are none, as is `closing`.
+    /// Per refinement its transition, or `NONE`. Without moving vertices, empty, as is `closing`.
     transition_of: Vec<u32>,
     transitions: Vec<Transition>,
     coming: VecDeque<u32>,
     going: VecDeque<u32>,
     stack: Vec<(u32, bool)>,
     noted: Vec<u32>,
-    /// Those shown and not wanted, or the other way round.
+    /// Number of refinements either shown or wanted, but not both.
     pending: usize,
     triangles: usize,
     splits: usize,
@@ -89,7 +89,7 @@ pub(crate) struct Transitions {
 }
 
 impl Transitions {
-    /// With what is shown and wanted now, in `triangles`. `moves`: whether there may be transitions.
+    /// Starts with a set both shown and wanted, in `triangles` triangles. `moves`: whether there may be transitions.
     pub fn new<R: Refinements + ?Sized>(
         of: &R,
         shown: impl Fn(u32) -> bool,
@@ -123,12 +123,12 @@ impl Transitions {
         self.state.get(r as usize).is_some_and(|state| state & SHOWN != 0)
     }
 
-    /// How many are shown and not wanted, or the other way round.
+    /// Number of refinements either shown or wanted, but not both.
     pub fn pending(&self) -> usize {
         self.pending
     }
 
-    /// How many are in transition.
+    /// Number of refinements in transition.
     pub fn transitions(&self) -> usize {
         self.transitions.len()
     }
@@ -149,8 +149,8 @@ impl Transitions {
         }
     }
 
-    /// Notes that a refinement is wanted now, or no longer. What is wanted must be closed whenever [`Transitions::run`] is called;
-    /// only what it is then counts.
+    /// Records a refinement as wanted, or as no longer wanted. Only the state at the next call of [`Transitions::run`]
+    /// counts; the wanted set must then be closed.
     pub fn want(&mut self, r: u32, wanted: bool) {
         let state = &mut self.state[r as usize];
         *state = if wanted { *state | WANTED } else { *state & !WANTED };
@@ -160,7 +160,7 @@ impl Transitions {
         }
     }
 
-    /// Takes in what was noted.
+    /// Applies the recorded wishes.
     fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         for at in 0..self.noted.len() {
             let r = self.noted[at];
@@ -186,7 +186,7 @@ impl Transitions {
         self.noted.clear();
     }
 
-    /// All transitions go on by a share of their way; those that have closed are called to go.
+    /// Advances all transitions by a share of their way. Refinements which have finished closing are queued to go.
     pub fn advance(&mut self, progress: f32, sink: &mut impl RefinementSink) {
         sink.advance(progress);
         let mut i = 0;
@@ -205,7 +205,8 @@ impl Transitions {
         }
     }
 
-    /// Does what may be done in this frame. `sees` says whether a change there may be seen. The numbers that came and went.
+    /// Adds and removes refinements within the limits of a frame. `sees` tells whether a refinement's change may be seen.
+    /// Returns the numbers of splits and collapses.
     pub fn run<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -215,7 +216,7 @@ impl Transitions {
     ) -> (usize, usize) {
         self.take_in(of, sink);
         (self.splits, self.collapses) = (0, 0);
-        // By turns, so that neither starves the other.
+        // Alternates, so neither queue starves the other.
         loop {
             let one_went = self.let_go(of, limits, &sees, sink);
             let one_came = self.let_come(of, limits, &sees, sink);
@@ -230,7 +231,8 @@ impl Transitions {
         self.splits + self.collapses >= limits.operations
     }
 
-    /// Takes the first of those to go; whether there was one that could be dealt with.
+    /// Takes the first refinement of the queue to go. Returns `false` if the queue or the limit of operations is
+    /// exhausted.
     fn let_go<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -285,7 +287,7 @@ impl Transitions {
         }
     }
 
-    /// Calls one to go that has waited for others.
+    /// Queues an unwanted refinement to go, if all shown refinements building on it are closing.
     fn call_if_free(&mut self, r: u32) {
         let closing = self.closing.get(r as usize).copied().unwrap_or(0);
         if !self.is(r, WANTED) && self.held[r as usize] == closing {
@@ -293,7 +295,8 @@ impl Transitions {
         }
     }
 
-    /// Takes the first of those to come and brings all that it builds on, then it; whether that went without stopping.
+    /// Takes the first refinement to come, and adds the missing refinements it builds on, then the refinement. Returns
+    /// `false` if the queue is empty or a limit stops it.
     fn let_come<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -350,7 +353,7 @@ impl Transitions {
         self.transitions.get(*self.transition_of.get(r as usize)? as usize)
     }
 
-    /// A transition from where it is.
+    /// Starts a transition from the current state.
     fn start(&mut self, r: u32) {
         match self.transition_of[r as usize] {
             NONE => {
@@ -372,7 +375,7 @@ impl Transitions {
         }
     }
 
-    /// Bytes of its arrays.
+    /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         let queues = self.coming.capacity() + self.going.capacity();
         self.state.len()

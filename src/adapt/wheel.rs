@@ -1,4 +1,4 @@
-//! Sleepers by how far the odometer may run until they must be looked at again.
+//! A timing wheel: sleepers sorted by the distance the odometer may run until their next test.
 //!
 //! ```text
 //!     level 0   | . | . | o | . |  ...  64 slots of 1 tick
@@ -6,35 +6,35 @@
 //!     level 2   | o | . | o | . |  ...  64 slots of 16 ticks       wakes at most a sixteenth too early
 //! ```
 //!
-//! Lists are linked through one array that the caller shares among wheels, so nothing allocates and each sleeper takes 4
-//! bytes. Putting one in is O(1); advancing is O(levels + slots drained + woken).
+//! Slots are lists linked through a single array, shared by the caller among wheels. Nothing allocates, and each sleeper
+//! takes 4 bytes. Putting in a sleeper is O(1). Advancing is O(levels + slots drained + woken).
 
 use crate::mesh::NONE;
 
 const SLOTS: u64 = 64;
 const LEVELS: usize = 20;
-/// Each level's slots are four times as wide as those of the one before: a shift by two.
+/// Shift between the slot widths of levels: each level's slots are 4 times as wide as the slots of the previous level.
 const WIDER: u32 = 2;
-/// Ticks that nobody sleeps beyond, and that no odometer runs beyond.
+/// Maximum number of ticks of a sleep, and of an odometer.
 const FOREVER: u64 = 1 << 61;
 
 #[derive(Debug, Clone)]
 pub(super) struct Wheel {
-    /// First sleeper of every slot; empty until there is one.
+    /// First sleeper of every slot. Empty until the first sleeper is put in a slot.
     heads: Vec<u32>,
-    /// Per level a bit for each slot with sleepers.
+    /// Per level, a bit for each slot with sleepers.
     taken: [u64; LEVELS],
-    /// Those that cannot sleep for a whole tick.
+    /// Sleepers with less than a whole tick to sleep.
     soon: u32,
-    /// Ticks run so far, and the part of one since.
+    /// Whole ticks run so far (`now`), and the fraction of a tick (`part`).
     now: u64,
     part: f64,
-    /// Ticks an object unit.
+    /// Ticks per object unit.
     ticks: f64,
 }
 
 impl Wheel {
-    /// An empty wheel with ticks of this length.
+    /// Creates an empty wheel. `tick` is the length of a tick, object units.
     pub fn new(tick: f64) -> Self {
         Self { heads: Vec::new(), taken: [0; LEVELS], soon: NONE, now: 0, part: 0.0, ticks: 1.0 / tick }
     }
@@ -48,30 +48,30 @@ impl Wheel {
         self.part = 0.0;
     }
 
-    /// Whether the odometer can still run that far. If not, the wheel must be cleared.
+    /// Whether the odometer can run by `distance` without overflow. If not, the wheel must be cleared.
     pub fn can_run(&self, distance: f64) -> bool {
         self.now < FOREVER && distance * self.ticks < FOREVER as f64
     }
 
-    /// Bytes of its slots.
+    /// Bytes of the slots.
     pub fn memory(&self) -> usize {
         size_of_val(&self.heads[..])
     }
 
-    /// Puts in a sleeper that must wake before the odometer has run `slack` further.
+    /// Puts in a sleeper which must wake before the odometer has run `slack` further.
     #[inline]
     pub fn put(&mut self, sleeper: u32, slack: f64, next: &mut [u32]) {
-        // A cast rounds down.
+        // The cast rounds down.
         let ahead = (self.part + slack * self.ticks).min(FOREVER as f64) as u64;
         let (now, until) = (self.now, self.now + ahead);
         let list = if ahead == 0 {
             &mut self.soon
         } else {
-            // The finest level whose slots reach that far.
+            // The finest level with slots reaching `ahead` ticks.
             let level = (ahead.ilog2() + 1).saturating_sub(SLOTS.ilog2()).div_ceil(WIDER) as usize;
             let level = level.min(LEVELS - 1);
             let shift = WIDER * level as u32;
-            // Half a slot may be gone: one slot more, which the wheel does not have.
+            // Part of the current slot may be gone, so `until` may lie one slot beyond the wheel.
             let slot = (until >> shift).min((now >> shift) + SLOTS - 1) % SLOTS;
             if self.heads.is_empty() {
                 self.heads = vec![NONE; SLOTS as usize * LEVELS];
@@ -83,7 +83,7 @@ impl Wheel {
         *list = sleeper;
     }
 
-    /// Runs the odometer on and hands every sleeper that may be due to `wake`.
+    /// Runs the odometer by `distance`, and calls `wake` with every sleeper which may be due.
     pub fn advance(&mut self, distance: f64, next: &[u32], mut wake: impl FnMut(u32)) {
         if distance <= 0.0 {
             return;
@@ -123,7 +123,7 @@ impl Wheel {
 mod tests {
     use super::*;
 
-    /// Nobody sleeps too long, and nobody wakes at less than seven eighths of a long sleep.
+    /// Sleepers wake in time, and not before 7/8 of a long sleep.
     #[test]
     fn sleepers_wake_in_time() {
         let mut state = 3u64;

@@ -1,4 +1,4 @@
-//! A vertex hierarchy under the one face of all structures: baking it, its instances, levels of the whole of it.
+//! Vertex hierarchies behind the common interface of all structures: baking, instances, levels of a whole mesh.
 
 use std::cmp::Reverse;
 
@@ -12,16 +12,16 @@ use crate::simplify::CollapseSequence;
 
 use super::{CutSurface, Dependencies, HierarchyError, HierarchyLod, VertexHierarchy};
 
-/// How a hierarchy is built from a simplification.
+/// Options for building a hierarchy from a simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct HierarchyOptions {
-    /// How near cuts stay to meshes that the simplifier has seen; default no nearer than parents ask for.
+    /// How near cuts stay to meshes seen by the simplifier; default [`Dependencies::None`].
     pub dependencies: Dependencies,
 }
 
 impl HierarchyOptions {
-    /// With these dependencies.
+    /// Sets the dependencies.
     #[must_use]
     pub fn with_dependencies(mut self, dependencies: Dependencies) -> Self {
         self.dependencies = dependencies;
@@ -71,7 +71,7 @@ impl Structure for VertexHierarchy {
         HierarchyLod::of(model, values, options)
     }
 
-    /// Splits with the largest errors, as many as fit, and what they need.
+    /// Chooses the splits with the largest errors, as many as fit, and all splits they need.
     fn level(model: &Baked<Self>, level: Level) -> Extracted {
         let of = &**model.structure();
         let mut splits: Vec<u32> = (0..of.split_count() as u32).collect();
@@ -82,7 +82,7 @@ impl Structure for VertexHierarchy {
             Level::Triangles(most) => of.most_splits(&splits, |set| of.triangles_of(set) <= most),
             Level::Vertices(most) => of.most_splits(&splits, |set| of.vertices_of(set) <= most),
             Level::Ratio(ratio) => {
-                // The cast takes NaN and below to 0.
+                // The cast maps NaN and negative values to 0.
                 let most = (f64::from(ratio) * of.triangle_count() as f64) as usize;
                 of.most_splits(&splits, |set| of.triangles_of(set) <= most)
             }
@@ -142,8 +142,8 @@ impl Structure for VertexHierarchy {
 }
 
 impl VertexHierarchy {
-    /// What a surface draws as a mesh of its own: the vertices that it uses, with attributes and locks, and its triangles with
-    /// their materials, in the hierarchy's order: the same mesh for the same cut. O(vertices + output log output).
+    /// Returns a surface's drawn triangles as a mesh: the used vertices with attributes and locks, and the triangles with
+    /// their materials, in the hierarchy's order. Equal cuts give equal meshes. O(vertices + output log output).
     pub(super) fn mesh_of(&self, vertices: &Mesh, surface: &CutSurface) -> Mesh {
         let vertex = |name: u32| surface.vertices().map_or(name, |slots| slots[name as usize]);
         let mut drawn: Vec<(u32, [u32; 3])> = Vec::new();
@@ -159,11 +159,11 @@ impl VertexHierarchy {
         vertices.gather_used(&triangles, materials)
     }
 
-    /// A set of splits closed under what they need, as one flag a split. O(n).
+    /// Closes a set of splits under parents and dependencies. Returns a flag per split. O(n).
     fn closure(&self, splits: &[u32]) -> Vec<bool> {
         let mut set = vec![false; self.split_count()];
         let mut stack = splits.to_vec();
-        // Dependencies may have any number, unlike parents.
+        // There may be any number of dependencies, unlike parents.
         while let Some(split) = stack.pop() {
             if !std::mem::replace(&mut set[split as usize], true) {
                 stack.extend(self.parents(split).chain(self.dependencies(split)));
@@ -172,7 +172,8 @@ impl VertexHierarchy {
         set
     }
 
-    /// The most of the first splits whose closure `fits`; whether it does must not come back as there are more.
+    /// Returns the largest `n` for which the closure of the first `n` splits `fits`. `fits` must be monotone: once false,
+    /// false for all larger sets.
     fn most_splits(&self, splits: &[u32], fits: impl Fn(&[bool]) -> bool) -> usize {
         let (mut low, mut high) = (0, splits.len());
         while low < high {
@@ -187,7 +188,7 @@ impl VertexHierarchy {
         self.base_triangle_count() + splits.map(|split| self.owned(split).len()).sum::<usize>()
     }
 
-    /// Vertices that are drawn with a set of splits.
+    /// Number of vertices drawn with a set of splits.
     fn vertices_of(&self, set: &[bool]) -> usize {
         let mut used = vec![false; self.vertex_count()];
         let there = |split: u32| set[split as usize];

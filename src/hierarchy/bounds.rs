@@ -1,9 +1,10 @@
-//! What each split can change: spheres, cones of normals and errors, each holding those of all splits that build on it.
+//! Bounds of splits: spheres, cones of normals and errors. Bounds of a split contain the bounds of all splits building on
+//! it.
 //!
-//! A split moves corners of the triangles around the vertices that it brings. The bounds of a split hold the input's
-//! triangles around all leaves that those vertices stand for, and the bounds of its children. Southern (section 5.1.1) bounds
-//! the operations' regions of the coarse mesh; here it is the input's surface, whose places and normals stay what they are,
-//! whatever the cut.
+//! A split moves corners of the triangles around its vertices. The bounds of a split contain the input's triangles around
+//! all leaves represented by these vertices, and the bounds of its children. Southern (section 5.1.1) bounds the
+//! operations' regions of the coarse mesh. Here the bounds use the input's surface, with places and normals independent
+//! of the cut.
 
 use glam::DVec3;
 
@@ -12,18 +13,18 @@ use crate::view::{Bounds, angle_between};
 
 use super::VertexHierarchy;
 
-/// Share by which a sphere is larger than it need be, so that containment survives rounding.
+/// Relative enlargement of spheres, so containment survives rounding.
 const ROOM: f64 = 4e-7;
 
-/// By how much the error at a cut exceeds that measured for one collapse at a time, where several that were left out meet. With it
-/// 999 of 1000 points are within the tolerance (measured on scans, `tests/hierarchy_screen_error.rs`).
+/// Ratio of the error at a cut to the error measured for single collapses, if several neighbouring splits are left out.
+/// With it 999 of 1000 points are within the tolerance (measured on scans, `tests/hierarchy_screen_error.rs`).
 const CUT_MARGIN: f32 = 4.0 / 3.0;
 
 #[derive(Clone, Copy)]
 struct Region {
     low: DVec3,
     high: DVec3,
-    /// Sum of normals times area.
+    /// Sum of normals, weighted by area.
     normal: DVec3,
 }
 
@@ -37,12 +38,13 @@ impl Region {
     }
 }
 
-/// Bounds of every split. `error` is each split's own. O(triangles + hops of all leaves to their roots).
+/// Computes the bounds of every split. `error` is each split's own error. O(triangles + hops of all leaves to their
+/// roots).
 pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error: &[f32]) -> Vec<Bounds> {
     let position = |v: u32| DVec3::from_array(positions[v as usize].map(f64::from));
     let count = error.len();
 
-    // The input's triangles around every leaf.
+    // Triangles of the input around every leaf.
     let leaves = hierarchy.leaves as usize;
     let mut around = vec![Region::EMPTY; leaves];
     let normals: Vec<DVec3> = hierarchy
@@ -57,7 +59,7 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
         })
         .collect();
 
-    // Per split, what it brings by itself: leaves that nothing was merged into lie in no child's bounds.
+    // Per split, its own leaves. Leaves into which nothing was merged lie in no child's bounds.
     let mut own = vec![Region::EMPTY; count];
     for leaf in 0..leaves as u32 {
         let split = hierarchy.split_of[leaf as usize];
@@ -84,7 +86,7 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
         }
     }
 
-    // Angle of every split's axis to the normals around the leaves that it brings by itself.
+    // Angle of every split's axis to the normals around its own leaves.
     let axis: Vec<DVec3> = region.iter().map(|r| r.normal.normalize_or_zero()).collect();
     let mut angle = vec![0.0_f64; count];
     for (corners, &normal) in hierarchy.triangles.iter().zip(&normals) {
@@ -119,15 +121,15 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
         }
         let far = above(far * (1.0 + 1e-9));
         let (centre, radius) = sphere(hierarchy, split, &region[s], &own[s], &all);
-        // No point is farther from the drawn surface than from where it is drawn.
+        // The distance of a point to the drawn surface is at most its distance to the place where it is drawn.
         all[s] = Bounds::new(centre, radius, normal_error.min(far), far)
             .with_cone(axis[s].to_array(), wide + 1e-6);
     }
     all
 }
 
-/// A sphere around a split's own region and its children's spheres: about the middle of the box, or about two spheres,
-/// whichever is smaller.
+/// Returns a sphere around a split's own region and its children's spheres. Tries two centres: the middle of the box, and
+/// the centre of the joined spheres. Returns the smaller sphere.
 fn sphere(
     hierarchy: &VertexHierarchy,
     split: u32,
@@ -156,7 +158,8 @@ fn sphere(
     let mut best = (round(middle), 0.0);
     best.1 = needed(best.0);
 
-    // The children's spheres, one after the other, each pair in its smallest sphere; then the own box.
+    // Joins the own box's sphere and the children's spheres, one after another, each pair into its smallest enclosing
+    // sphere.
     let mut joined: Option<(DVec3, f64)> =
         (own.low.x <= own.high.x).then(|| ((own.low + own.high) * 0.5, (own.high - own.low).length() * 0.5));
     for child in hierarchy.children(split) {
@@ -184,17 +187,17 @@ fn sphere(
         }
     }
     let (centre, radius) = best;
-    // Room in proportion to where things are too: a centre is a single precision number.
+    // Enlargement in proportion to the coordinates too, because a centre is rounded to single precision.
     let scale = hierarchy.diagonal * 1e-9 + centre.abs().max_element() * 1e-12;
     (centre.as_vec3().to_array(), above(radius * (1.0 + ROOM) + scale))
 }
 
-/// The same in single precision, still double.
+/// Rounds a vector to single precision.
 fn round(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
 
-/// The next single precision number that is not below.
+/// Rounds up to single precision.
 fn above(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }.min(f32::MAX)

@@ -1,4 +1,4 @@
-//! From a collapse sequence to a vertex hierarchy: vertices depth first, splits from coarse to fine.
+//! Builds a vertex hierarchy from a collapse sequence: vertices depth first, splits from coarse to fine.
 //!
 //! ```text
 //!     leaves   | x, what joined x first, second, ... last | next root ...     all that a vertex stands for is one run, and
@@ -20,29 +20,29 @@ use super::dependencies::dependency_lists;
 use super::stars::MOST_CORNERS;
 use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
 
-/// Most triangles: all may lie around one vertex.
+/// Maximum number of triangles: all may lie around a single vertex.
 pub(super) const MOST_TRIANGLES: usize = MOST_CORNERS;
-/// Most different materials: a group's number is 16 bits.
+/// Maximum number of different materials: group numbers are 16 bits.
 pub(super) const MOST_MATERIALS: usize = 1 << 16;
 
-/// A vertex hierarchy and how its numbers relate to the input's.
+/// A vertex hierarchy, with the relation of its numbers to the input's numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct HierarchyBuild {
     /// The structure.
     pub hierarchy: VertexHierarchy,
-    /// Per vertex of the structure its number in the sequence: an input vertex, or a new one.
+    /// Per vertex of the structure, its number in the sequence: an input vertex or a new vertex.
     pub vertex_order: Vec<u32>,
-    /// Per triangle of the structure its number in the input.
+    /// Per triangle of the structure, its number in the input.
     pub triangle_order: Vec<u32>,
 }
 
 impl VertexHierarchy {
-    /// Reads a sequence against the mesh it was made from. O(n log n), and O(n x neighbours) more with dependencies. With its
-    /// vertices, and where they come from: [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
+    /// Builds a hierarchy from a sequence and its mesh. O(n log n), plus O(n x neighbours) with dependencies. To get
+    /// vertices and their origins too, use [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
     ///
     /// # Errors
-    /// The sequence belongs to another mesh or does not hold together; more elements than can be numbered.
+    /// The sequence belongs to another mesh or is inconsistent; there are more elements than can be numbered.
     pub fn build(
         mesh: &Mesh,
         sequence: &CollapseSequence,
@@ -77,7 +77,7 @@ impl VertexHierarchy {
         let splits = Splits::new(sequence, &collapse_forest, &forest);
         let count = splits.brings.start.len() - 1;
 
-        // Triangles by the split that brings them back.
+        // Groups triangles by the split bringing them back.
         let key = |t: usize| match collapse_forest.end(mesh.triangles()[t]) {
             0 => None,
             NONE => Some(0),
@@ -133,14 +133,14 @@ impl VertexHierarchy {
 
 /// Vertices in their new order.
 struct Forest {
-    /// Per number of the collapse_forest its vertex; `NONE` for duplicates and unused ones.
+    /// Per number in the `collapse_forest`, its vertex; `NONE` for duplicate and unused vertices.
     vertex: Vec<u32>,
     leaves: u32,
     substitute: Vec<u32>,
     first_leaf: Vec<u32>,
-    /// Per vertex the end of its run of leaves.
+    /// Per vertex, the end of its run of leaves.
     end: Vec<u32>,
-    /// The sequence's number of every vertex.
+    /// Per vertex, its number in the sequence.
     order: Vec<u32>,
     positions: Vec<[f32; 3]>,
 }
@@ -156,7 +156,7 @@ impl Forest {
         };
         let parent = |number: usize| collapse_forest.parent(number as u32) as usize;
 
-        // Leaves under each; every parent is numbered lower.
+        // Number of leaves under each vertex. Parents have smaller numbers.
         let mut size: Vec<u32> = (0..count).map(|number| u32::from(is_leaf(number))).collect();
         for number in (collapse_forest.roots as usize..count).rev() {
             size[parent(number)] += size[number];
@@ -165,7 +165,7 @@ impl Forest {
             (0..collapse_forest.roots).map(|root| (morton(mesh, position(root as usize)), root)).collect();
         roots.sort_unstable();
 
-        // Runs: within one, what was taken last is at its end.
+        // Runs of leaves. Within a run, the leaves taken last are at the end.
         let mut start = vec![0_u32; count];
         let mut end = vec![0_u32; count];
         let mut leaves = 0;
@@ -208,7 +208,7 @@ impl Forest {
     }
 }
 
-/// Ten bits of each coordinate within the box, interleaved.
+/// Interleaves ten bits of each coordinate within the box.
 fn morton(mesh: &Mesh, position: [f32; 3]) -> u32 {
     let Some([low, high]) = mesh.bounds() else { return 0 };
     (0..3).fold(0, |code, axis| {
@@ -221,7 +221,7 @@ fn morton(mesh: &Mesh, position: [f32; 3]) -> u32 {
 
 /// Splits in their new order.
 struct Splits {
-    /// Per step its split; `NONE` where it takes nothing.
+    /// Per step, its split; `NONE` if the step takes no vertex.
     of_step: Vec<u32>,
     of_vertex: Vec<u32>,
     brings: Lists,
@@ -240,7 +240,7 @@ impl Splits {
         let count = steps.len();
         let vertex = |v: u32| forest.vertex[collapse_forest.number[v as usize] as usize];
 
-        // A collapse is undone after the next one that touches a vertex that it touched.
+        // A collapse is undone after the next collapse touching any of its vertices.
         let mut last = vec![NONE; forest.substitute.len()];
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(2 * count);
         for (i, &step) in steps.iter().enumerate() {
@@ -256,7 +256,7 @@ impl Splits {
         edges.sort_unstable();
         edges.dedup();
 
-        // Coarsest first, in octaves; within one by place, but never before a parent.
+        // Coarsest first, in octaves. Within an octave by place, but never before a parent.
         let above = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (child, parent)));
         let octave = |i: usize| (count - i).ilog2();
         let mut place = vec![0_u32; count];

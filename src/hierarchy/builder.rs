@@ -1,4 +1,4 @@
-//! Presets of building a hierarchy.
+//! Presets for building hierarchies.
 
 use crate::lod::Builder;
 use crate::simplify::metric::{EdgeLength, ErrorMetric, Quadric};
@@ -6,17 +6,18 @@ use crate::simplify::{Order, Placement};
 
 use super::{Dependencies, HierarchyOptions, VertexHierarchy};
 
-/// How to simplify a mesh, and how near cuts must stay to what the simplifier has seen: a [`Builder`] of hierarchies.
+/// A [`Builder`] of hierarchies: how to simplify a mesh, and how near cuts must stay to meshes seen by the simplifier.
 pub type HierarchyBuilder<M = Quadric> = Builder<VertexHierarchy, M>;
 
 impl HierarchyBuilder {
-    /// Berkey and Song, *Dynamic View Dependent Level of Detail*: the shortest edge next that is in no collapse's region of
-    /// influence, until there is none, and then anew (section 3.1); its middle as a new vertex; and all neighbours as
-    /// dependencies (3.2). With [`View::with_radius_test`](crate::view::View::with_radius_test) it is their system (3.4),
-    /// on open and non-manifold meshes too, and with a linear order of construction.
+    /// Returns the builder of Berkey and Song, *Dynamic View Dependent Level of Detail*. Each step collapses the shortest
+    /// edge outside all regions of influence of earlier collapses; when there is none, the regions are cleared (section
+    /// 3.1). New vertices lie at the middle of the edge. Dependencies are all neighbours (3.2). With
+    /// [`View::with_radius_test`](crate::view::View::with_radius_test) this is their system (3.4), extended to open and
+    /// non-manifold meshes, and with a linear order of construction.
     ///
-    /// Theirs is legal whatever keeps the topology. Here all rules of the simplifier hold, so that nothing flips either;
-    /// [`Builder::simplifier`] takes others.
+    /// In their system a collapse is legal if it keeps the topology. Here all rules of the simplifier hold, so triangles
+    /// do not flip either; [`Builder::simplifier`] sets other rules.
     pub fn berkey_song() -> HierarchyBuilder<EdgeLength> {
         Self::new()
             .metric(EdgeLength::new())
@@ -27,7 +28,7 @@ impl HierarchyBuilder {
 }
 
 impl<M: ErrorMetric> HierarchyBuilder<M> {
-    /// How near a cut must stay to meshes that the simplifier has seen.
+    /// Sets how near a cut must stay to meshes seen by the simplifier.
     #[must_use]
     pub fn dependencies(self, dependencies: Dependencies) -> Self {
         self.options(HierarchyOptions::default().with_dependencies(dependencies))

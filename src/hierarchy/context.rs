@@ -1,7 +1,7 @@
-//! What a collapse costs where all around it is fine.
+//! Error of a split left out of an otherwise fine mesh.
 //!
-//! A sequence measures each collapse among the neighbours it had then, which were coarse. A cut may leave it out while
-//! everything around it is at full resolution, and then the surface is another one:
+//! A sequence measures each collapse among its neighbours at the time, which were coarse. A cut may leave a split out
+//! while everything around it is at full resolution. Then the surface differs:
 //!
 //! ```text
 //!      o---o---o              the leaves that x stands for (o) are drawn at x, all others where they are; how
@@ -9,8 +9,9 @@
 //!    w---o---x---w            between x and the rim?
 //! ```
 //!
-//! The larger of both errors is what the cut goes by: close by, one sample in forty missed a tolerance of one pixel without
-//! it, one in a hundred with it. What is left, splits left out side by side, is the margin in `bounds.rs`.
+//! The cut uses the larger of both errors. From close by, without this error one sample in forty missed a tolerance of
+//! one pixel, with it one in a hundred. Remaining errors come from neighbouring splits left out together, and are covered
+//! by the margin in `bounds.rs`.
 
 use glam::DVec3;
 
@@ -18,10 +19,11 @@ use crate::mesh::{Adjacency, NONE};
 
 use super::{Lists, VertexHierarchy};
 
-/// Leaves of a cluster beyond which the error that the sequence measured has to do.
+/// Maximum number of leaves of a cluster. Larger clusters use only the error measured by the sequence.
 const MOST_LEAVES: usize = 24;
 
-/// Per split, how far the input is from a mesh that is fine but for it. `end`: per vertex the end of its run of leaves.
+/// Returns, per split, the distance from the input to the mesh without this split alone. `end`: per vertex, the end of
+/// its run of leaves.
 pub(super) fn lonely_errors(
     hierarchy: &VertexHierarchy,
     brings: &Lists,
@@ -47,7 +49,7 @@ pub(super) fn lonely_errors(
 
 #[derive(Default)]
 struct Scratch {
-    /// Runs of leaves and where each is drawn.
+    /// Runs of leaves, and the vertex at which each run is drawn.
     runs: Vec<(std::ops::Range<u32>, u32)>,
     triangles: Vec<u32>,
     images: Vec<[DVec3; 3]>,
@@ -82,7 +84,7 @@ impl Scratch {
         let drawn = |leaf: u32| runs.iter().find(|run| run.0.contains(&leaf)).map_or(NONE, |run| run.1);
         triangles.clear();
         points.clear();
-        // What moves farthest first: the others then soon turn out to be nearer than that.
+        // Points moving farthest come first, so the others are soon found to be nearer.
         points.extend(brings.iter().map(|&vertex| position(hierarchy.first_leaf(vertex))));
         for (run, _) in runs.iter() {
             for leaf in run.clone() {
@@ -107,7 +109,7 @@ impl Scratch {
             return 0.0;
         }
         let mut worst = 0.0_f64;
-        // Points come in order, so the triangle that the last one was near to is a good guess.
+        // Points are in spatial order, so the triangle nearest to the last point is a good guess.
         let mut guess = 0;
         for &point in points.iter() {
             let mut nearest = distance_squared(point, &images[guess]);
@@ -129,7 +131,7 @@ impl Scratch {
     }
 }
 
-/// Squared distance of a point from a triangle.
+/// Returns the squared distance from a point to a triangle.
 fn distance_squared(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(ac);

@@ -1,4 +1,4 @@
-//! What a split needs besides its parents, so that it happens among neighbours that the simplifier saw it among.
+//! Dependencies of splits besides parents, so splits happen among neighbours seen by the simplifier.
 //!
 //! ```text
 //!          w2                     the star of x after the collapse of u into x; a split of x needs
@@ -10,23 +10,26 @@
 
 use super::{CutSurface, Lists, VertexHierarchy};
 
-/// How near a cut must stay to meshes that the simplifier has seen.
+/// How near a cut must stay to meshes seen by the simplifier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Dependencies {
-    /// A split needs only its vertex: the most selective, and some triangles may flip (Kim and Lee, *Truly Selective
+    /// A split needs only its vertex. Most selective, but some triangles may flip (Kim and Lee, *Truly Selective
     /// Refinement of Progressive Meshes*, 2001).
     #[default]
     None,
-    /// A split needs the vertices of its triangles and of those beside them: up to seven (Southern, section 5.1.2).
+    /// A split needs the vertices of its triangles and of the triangles beside them: up to seven (Southern, section
+    /// 5.1.2).
     Adjacent,
-    /// A split needs all neighbours of its vertex, and is not undone while one of them is finer than when it was made: every
-    /// split happens in the very star the simplifier judged (Xia and Varshney 1996; Berkey and Song, section 3.2).
+    /// A split needs all neighbours of its vertex, and is not undone while a neighbour is finer than at the time of the
+    /// collapse. Every split happens in exactly the star judged by the simplifier (Xia and Varshney 1996; Berkey and
+    /// Song, section 3.2).
     Neighbours,
 }
 
-/// Needs of every split, found by replaying all collapses. `order` is the splits in order of their collapses, by collapse.
+/// Finds the dependencies of every split by replaying all collapses. `order` lists the splits in the order of their
+/// collapses.
 pub(super) fn dependency_lists(
     hierarchy: &VertexHierarchy,
     order: &[u32],
@@ -37,12 +40,12 @@ pub(super) fn dependency_lists(
         return Lists { start: vec![0; count + 1], items: Vec::new() };
     }
     let mut surface = CutSurface::new(hierarchy, false);
-    // All splits, coarsest first.
+    // Applies all splits, coarsest first.
     for split in 0..count as u32 {
         surface.split(hierarchy, split, |other| other <= split);
     }
     let mut pairs: Vec<[u32; 2]> = Vec::new();
-    // The last collapse that made each vertex what it is.
+    // Per vertex, the last collapse into it so far.
     let mut made = vec![u32::MAX; hierarchy.vertex_count()];
     let mut ring: Vec<u32> = Vec::new();
     for &split in order {
@@ -85,7 +88,7 @@ pub(super) fn dependency_lists(
     Lists::from_pairs(count, pairs.iter().map(|&[split, need]| (split, need)))
 }
 
-/// The corners of a triangle that vanishes, and of the drawn triangles beside it.
+/// Adds the corners of a vanishing triangle, and of the drawn triangles beside it, to `ring`.
 fn adjacent(hierarchy: &VertexHierarchy, surface: &CutSurface, triangle: u32, ring: &mut Vec<u32>) {
     let Some(corners) = surface.corners(hierarchy, triangle) else { return };
     ring.extend(corners);

@@ -1,58 +1,58 @@
-//! Why a vertex hierarchy could not be built, or its parts not be taken.
+//! Errors from building a vertex hierarchy, or from its parts.
 
 use crate::simplify::{OptionError, SequenceError};
 
-/// Why a [`VertexHierarchy`](super::VertexHierarchy) could not be built.
+/// Error from building a [`VertexHierarchy`](super::VertexHierarchy), or from its parts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HierarchyError {
-    /// The sequence does not hold together, or belongs to another mesh.
+    /// The sequence is inconsistent, or belongs to another mesh.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// An option of the simplification makes no sense.
+    /// An option of the simplification is invalid.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// More elements than can be numbered.
+    /// There are more elements than can be numbered.
     #[error("there are {count} {what}, more than the {limit} supported")]
     TooMany {
-        /// What was counted.
+        /// Name of the counted elements.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements.
         count: usize,
-        /// How many are supported.
+        /// Maximum number of elements.
         limit: usize,
     },
-    /// An array is longer or shorter than the others ask for.
+    /// An array's length does not match the other arrays.
     #[error("there are {found} {what} where {expected} are needed")]
     Length {
-        /// What was counted.
+        /// Name of the counted elements.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements.
         found: usize,
-        /// How many are needed.
+        /// Number of elements needed.
         expected: usize,
     },
-    /// An index names nothing.
+    /// An index is out of range.
     #[error("entry {at} of {what} is {found}, but there are {limit}")]
     OutOfRange {
-        /// The array.
+        /// Name of the array.
         what: &'static str,
         /// Index of the entry.
         at: usize,
         /// The entry.
         found: u32,
-        /// What it must be below.
+        /// Exclusive upper bound of the entry.
         limit: usize,
     },
-    /// A promise of the structure does not hold.
+    /// An invariant of the structure does not hold.
     #[error("{what} {at} is wrong")]
     Broken {
-        /// What is wrong.
+        /// Name of the wrong part.
         what: &'static str,
         /// Index of the element.
         at: usize,
     },
-    /// Whoever was told of the progress said to stop.
+    /// The progress callback asked to stop.
     #[error("the build was cancelled")]
     Cancelled,
 }

@@ -1,4 +1,4 @@
-//! One drawn instance of a vertex hierarchy: the cut that a view asks for, its triangles and its vertices.
+//! A drawn instance of a vertex hierarchy: the cut asked for by a view, with triangles and vertices.
 
 use std::sync::Arc;
 
@@ -13,19 +13,19 @@ use super::sink::Sink;
 use super::vertices::Vertices;
 use super::{CutSurface, VertexHierarchy};
 
-/// One drawn instance of a [`VertexHierarchy`]. What is drawn is [`HierarchyLod::cut`] after every call, or where
-/// [`LodOptions`] set limits, what has been reached on the way there: always a closed set of splits.
+/// A drawn instance of a [`VertexHierarchy`]. After every call the drawn mesh is [`HierarchyLod::cut`]. If [`LodOptions`]
+/// set limits, it is the mesh reached on the way to the cut. The drawn splits are always a closed set.
 ///
-/// Where vertices move ([`LodOptions::geomorph`]), one that a split brings starts where its substitute is drawn and moves to
-/// its own place; one that is to go moves to where its substitute is drawn, then the collapse takes place. Transitions may
-/// overlap in space and time, and turn round from where they are. A change that [no view sees](Criterion::sees) is made at
-/// once. Source: Hoppe 1998 (Smooth view-dependent level-of-detail control, section 5) for geomorphs that overlap.
+/// If vertices move ([`LodOptions::geomorph`]), a vertex brought by a split starts where its substitute is drawn, and
+/// moves to its own place. Before a collapse, its vertices move to where their substitutes are drawn. Transitions may
+/// overlap in space and time, and may be reversed at any point. A change that [no view sees](Criterion::sees) is made at
+/// once. Source of overlapping geomorphs: Hoppe 1998 (Smooth view-dependent level-of-detail control, section 5).
 ///
-/// Without a type of values it is of triangles alone ([`HierarchyLod::new`]): its vertex buffer has no bytes.
+/// Without a type of values, an instance has triangles alone ([`HierarchyLod::new`]), and its vertex buffer has no bytes.
 #[derive(Debug, Clone)]
 pub struct HierarchyLod<V = ()> {
     hierarchy: Arc<VertexHierarchy>,
-    /// The model that it is an instance of, for its vertices; `None` for triangles alone.
+    /// The model, for its vertices; `None` for triangles alone.
     model: Option<Baked<VertexHierarchy>>,
     driver: Driver,
     surface: CutSurface,
@@ -33,12 +33,13 @@ pub struct HierarchyLod<V = ()> {
 }
 
 impl HierarchyLod {
-    /// Triangles alone, for a buffer of all vertices of the hierarchy: indices name its vertices.
+    /// Creates an instance of triangles alone, for a buffer of all vertices. Indices name vertices of the hierarchy.
     pub fn new(hierarchy: Arc<VertexHierarchy>) -> Self {
         Self::bare(hierarchy, VertexBuffer::Shared)
     }
 
-    /// Triangles alone, for a buffer of the vertices in use: indices name slots of [`Lod::vertices`].
+    /// Creates an instance of triangles alone, for a buffer of the vertices in use. Indices name slots of
+    /// [`Lod::vertices`].
     pub fn packed(hierarchy: Arc<VertexHierarchy>) -> Self {
         Self::bare(hierarchy, VertexBuffer::Packed)
     }
@@ -49,7 +50,7 @@ impl HierarchyLod {
     }
 }
 
-/// How values are mixed, where options ask for that.
+/// Returns the interpolation of values, if options ask for geomorphs.
 fn mix_for<V: Vertex>(values: &Values<V>, options: &LodOptions) -> Result<Option<Mix<V>>, LodError> {
     if options.geomorph.is_none() {
         return Ok(None);
@@ -71,7 +72,7 @@ impl<V: Vertex> HierarchyLod<V> {
         Ok(Self::start(Arc::clone(model.structure()), Some(model.clone()), values, mix, options))
     }
 
-    /// At the coarsest level of detail. There are as many values as vertices.
+    /// Starts at the coarsest level of detail. There must be as many values as vertices.
     fn start(
         hierarchy: Arc<VertexHierarchy>,
         model: Option<Baked<VertexHierarchy>>,
@@ -88,7 +89,7 @@ impl<V: Vertex> HierarchyLod<V> {
         lod
     }
 
-    /// Takes options that ask for nothing but what vertices and surface are made for.
+    /// Applies options which need no new surface and no new vertices.
     fn apply(&mut self, options: &LodOptions) {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
@@ -98,7 +99,8 @@ impl<V: Vertex> HierarchyLod<V> {
         });
     }
 
-    /// Makes surface and vertices anew for other options. What was asked for is drawn, every vertex at its place.
+    /// Builds surface and vertices anew for other options. All pending changes are drawn at once, with every vertex at
+    /// its place.
     fn rebuild(&mut self, mix: Option<Mix<V>>, options: &LodOptions) {
         self.settle();
         let hierarchy = &*self.hierarchy;
@@ -112,12 +114,12 @@ impl<V: Vertex> HierarchyLod<V> {
         self.invalidate();
     }
 
-    /// The structure.
+    /// Returns the structure.
     pub fn hierarchy(&self) -> &Arc<VertexHierarchy> {
         &self.hierarchy
     }
 
-    /// Which splits the last view asked for, within the limit of triangles.
+    /// Returns the splits asked for by the last view, within the limit of triangles, and the splits they need.
     pub fn cut(&self) -> &Cut {
         self.driver.cut()
     }
@@ -127,7 +129,7 @@ impl<V: Vertex> HierarchyLod<V> {
         self.driver.shows(split)
     }
 
-    /// The vertex that stands for a vertex in what is drawn. O(hops to it); the vertex itself out of range.
+    /// Returns the vertex drawn in place of `vertex`. O(hops to it). Returns `vertex` itself if it is out of range.
     pub fn representative(&self, vertex: u32) -> u32 {
         if (vertex as usize) < self.hierarchy.vertex_count() {
             self.hierarchy.active(vertex, |split| self.shows(split))
@@ -136,28 +138,28 @@ impl<V: Vertex> HierarchyLod<V> {
         }
     }
 
-    /// Its triangles.
+    /// Returns the drawn triangles.
     pub fn surface(&self) -> &CutSurface {
         &self.surface
     }
 
-    /// The values that are drawn: of every vertex of the hierarchy, or where vertices are packed, of every slot.
+    /// Returns the drawn values: of every vertex of the hierarchy, or, if vertices are packed, of every slot.
     pub fn values(&self) -> &[V] {
         self.vertices.drawn()
     }
 
-    /// Where a vertex is, or would be if it were drawn; `None` out of range.
+    /// Returns the current value of a vertex, drawn or not; `None` if it is out of range.
     pub fn value(&self, vertex: u32) -> Option<V> {
         ((vertex as usize) < self.hierarchy.vertex_count()).then(|| self.vertices.shown(vertex))
     }
 
-    /// Number of vertices that move.
+    /// Number of moving vertices.
     pub fn moving(&self) -> usize {
         self.vertices.moving()
     }
 
-    /// Moves to what a criterion of your own needs, `seconds` after the last call. `motion` is what has happened to the
-    /// criterion since then ([`Criterion::motion`]); [`Motion::Other`] where the last call was another's.
+    /// Adapts to a custom criterion, `seconds` after the last call. `motion` is the criterion's motion since the last
+    /// call ([`Criterion::motion`]). Use [`Motion::Other`] if the last call had another criterion.
     pub fn adapt_by<C: Criterion + ?Sized>(&mut self, criterion: &C, motion: Motion, seconds: f32) -> Change {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;

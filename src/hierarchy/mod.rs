@@ -1,27 +1,27 @@
-//! Vertex hierarchies: refined where a view needs it, for any mesh that the simplifier takes.
+//! Vertex hierarchies: view-dependent refinement of any mesh accepted by the simplifier.
 //!
-//! Every collapse of a [`CollapseSequence`](crate::CollapseSequence) is undone by a *split*. Splits build on one another: one that gives back
-//! a vertex needs that vertex's own taker to be there. A *cut* is a set of splits that holds with each also those it
-//! needs, and **the mesh at a cut is the image of the input's triangles under the collapses that are left, less those with two
-//! equal corners**. That holds for any cut, so connectivity cannot be corrupted, on open, non-manifold and otherwise odd meshes
-//! either; what [`Dependencies`] decide is only how near a cut must stay to meshes that the simplifier has seen.
+//! Every collapse of a [`CollapseSequence`](crate::CollapseSequence) is undone by a *split*. Splits build on one another:
+//! a split which brings back a vertex needs the vertex's substitute in the mesh. A *cut* is a set of splits closed under
+//! needs. **The mesh at a cut is the image of the input's triangles under the remaining collapses, without triangles with
+//! two equal corners.** This holds for any cut, so connectivity cannot be corrupted, also on open, non-manifold and
+//! otherwise odd meshes. [`Dependencies`] decide only how near a cut must stay to meshes seen by the simplifier.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `build.rs` | from a collapse sequence to splits, numbered for locality |
-//! | `bounds.rs` | what each split can change, nested |
-//! | `context.rs` | what a collapse costs where all around it is fine |
-//! | `dependencies.rs` | [`Dependencies`]: what a split needs besides |
-//! | `stars.rs` | the corners around every active vertex, in one pool |
+//! | `build.rs` | builds splits from a collapse sequence, numbered for locality |
+//! | `bounds.rs` | nested bounds of splits |
+//! | `context.rs` | error of a split left out of an otherwise fine mesh |
+//! | `dependencies.rs` | [`Dependencies`] of splits besides parents |
+//! | `stars.rs` | the corners around every active vertex, in a pool |
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
-//! | `instance.rs` | [`HierarchyLod`]: one drawn instance |
-//! | `baked.rs` | a hierarchy under the one face of all structures; [`HierarchyOptions`] |
+//! | `instance.rs` | [`HierarchyLod`]: a drawn instance |
+//! | `baked.rs` | the common interface of all structures; [`HierarchyOptions`] |
 //! | `builder.rs` | [`HierarchyBuilder`]: presets |
 //! | `parts.rs` | [`HierarchyParts`]: plain arrays, in and out |
-//! | `sink.rs` | what is drawn, as the cut has it moved |
-//! | `vertices.rs` | the vertex buffer, and where moving vertices are |
-//! | `validate.rs` | every promise checked |
+//! | `sink.rs` | applies splits and collapses to the drawn mesh |
+//! | `vertices.rs` | the vertex buffer, with moving vertices |
+//! | `validate.rs` | checks of all invariants |
 //! | `error.rs` | [`HierarchyError`] |
 
 mod baked;
@@ -53,7 +53,7 @@ use crate::adapt::{Cut, Refinements};
 use crate::mesh::NONE;
 use crate::view::Bounds;
 
-/// Lists in one array: entries of `i` are `items[start[i]..start[i + 1]]`.
+/// Lists in a single array: entries of list `i` are `items[start[i]..start[i + 1]]`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Lists {
     start: Vec<u32>,
@@ -61,7 +61,7 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// From pairs of list and item, in the order given within a list. Pairs must be in range.
+    /// Creates lists from pairs of list and item. Keeps the order of items in a list. Pairs must be in range.
     fn from_pairs(lists: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         let mut start = vec![0_u32; lists + 1];
         pairs.clone().for_each(|(list, _)| start[list as usize + 1] += 1);
@@ -90,24 +90,24 @@ impl Lists {
     }
 }
 
-/// A forest of vertices with everything that refining it by view takes: immutable, shared by all instances.
+/// A forest of vertices for view-dependent refinement: immutable, shared by all instances.
 ///
-/// Vertices are numbered anew ([`Origins`](crate::lod::Origins)): the input's first, so that all that one vertex stands for are
-/// consecutive; then new ones.
+/// Vertices have new numbers ([`Origins`](crate::lod::Origins)). Leaves (vertices of the input) come first, and all
+/// leaves represented by a vertex are consecutive. New vertices follow.
 ///
-/// serde goes through [`HierarchyParts`] and validates ([`VertexHierarchy::validate`]).
+/// serde uses [`HierarchyParts`], and validates ([`VertexHierarchy::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "HierarchyParts"))]
 pub struct VertexHierarchy {
-    /// Per vertex the one that takes its place, or itself.
+    /// Per vertex, the vertex taking its place, or itself.
     substitute: Vec<u32>,
-    /// Per vertex the split that brings it back; `NONE` where it is never gone.
+    /// Per vertex, the split bringing it back; `NONE` if it is never removed.
     split_of: Vec<u32>,
-    /// Per new vertex, the first input vertex that it stands for.
+    /// Per new vertex, the first leaf represented by it.
     first_leaf: Vec<u32>,
     leaves: u32,
-    /// Per split, the vertices that it brings, in the order in which the collapse took them.
+    /// Per split, the vertices brought back, in the order of the collapse.
     brings: Lists,
     parents: Lists,
     children: Lists,
@@ -115,16 +115,16 @@ pub struct VertexHierarchy {
     dependencies: Dependencies,
     bounds: Vec<Bounds>,
     roots: Vec<u32>,
-    /// Corners at full resolution, as leaves: those never gone first, then by split.
+    /// Corners at full resolution, as leaves. First the triangles never removed, then the others by split.
     triangles: Vec<[u32; 3]>,
-    /// Per split its first triangle; one more than splits.
+    /// Per split, its first triangle; with one more entry than splits.
     first_triangle: Vec<u32>,
-    /// Per triangle an index into `materials`; empty with one material or none.
+    /// Per triangle, an index into `materials`; empty with at most one material.
     group_of: Vec<u16>,
-    /// The material ids in use, ascending.
+    /// Material ids in use, ascending.
     materials: Vec<u32>,
     diagonal: f64,
-    /// Per vertex one far above it; empty where all chains are short.
+    /// Per vertex, a vertex far above it; empty if all chains are short.
     jump: Vec<u32>,
 }
 
@@ -139,22 +139,22 @@ impl VertexHierarchy {
         self.substitute.len()
     }
 
-    /// Number of leaves: the input's vertices that a triangle or a collapse uses. They come first.
+    /// Number of leaves: the input's vertices used by a triangle or a collapse. They come first.
     pub fn leaf_count(&self) -> usize {
         self.leaves as usize
     }
 
-    /// What splits need besides their parents.
+    /// Returns the kind of dependencies of splits besides their parents.
     pub fn dependency_kind(&self) -> Dependencies {
         self.dependencies
     }
 
-    /// Triangles at full resolution, degenerate ones of the input not counted.
+    /// Number of triangles at full resolution, without degenerate triangles of the input.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Triangles of the coarsest mesh.
+    /// Number of triangles of the coarsest mesh.
     pub fn base_triangle_count(&self) -> usize {
         self.first_triangle[0] as usize
     }
@@ -164,12 +164,13 @@ impl VertexHierarchy {
         self.diagonal
     }
 
-    /// Corners of all triangles at full resolution, as vertices of the hierarchy: those that are never gone first.
+    /// Returns the corners of all triangles at full resolution, as vertices of the hierarchy. Triangles never removed
+    /// come first.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The vertex that stands for a vertex at a cut. O(hops to it); the vertex itself out of range.
+    /// Returns the vertex representing `vertex` at a cut. O(hops to it). Returns `vertex` itself if it is out of range.
     pub fn representative(&self, vertex: u32, cut: &Cut) -> u32 {
         if (vertex as usize) < self.substitute.len() {
             self.active(vertex, |split| cut.holds(split))
@@ -178,25 +179,26 @@ impl VertexHierarchy {
         }
     }
 
-    /// The material ids in use, ascending: triangles are drawn in one group for each. Empty where the mesh has none.
+    /// Returns the material ids in use, ascending. Triangles are drawn in a group for each. Empty if the mesh has no
+    /// materials.
     pub fn materials(&self) -> &[u32] {
         &self.materials
     }
 
-    /// The group of a triangle.
+    /// Returns the group of a triangle.
     #[inline]
     fn group_of(&self, triangle: u32) -> usize {
         self.group_of.get(triangle as usize).map_or(0, |&group| group as usize)
     }
 
-    /// The triangles that a split brings back.
+    /// Returns the triangles brought back by a split.
     #[inline]
     fn owned(&self, split: u32) -> std::ops::Range<u32> {
         self.first_triangle[split as usize]..self.first_triangle[split as usize + 1]
     }
 
-    /// The vertex that stands for a leaf where those splits are in the mesh that `there` says, a closed set. O(hops), and
-    /// O(log n) where chains are long.
+    /// Returns the vertex representing a leaf, for the closed set of splits given by `there`. O(hops), and O(log n) if
+    /// chains are long.
     #[inline]
     fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
         let stays = |vertex: u32| {
@@ -206,7 +208,7 @@ impl VertexHierarchy {
         let mut vertex = leaf;
         while !stays(vertex) {
             vertex = match self.jump.get(vertex as usize) {
-                // Whoever is above one that stays, stays too.
+                // All vertices above a present vertex are present too.
                 Some(&far) if !stays(far) => far,
                 _ => self.substitute[vertex as usize],
             };
@@ -219,7 +221,7 @@ impl VertexHierarchy {
         size_of_val(&self.triangles[..]) + self.overhead()
     }
 
-    /// Bytes beyond the triangles, which a plain mesh has too.
+    /// Bytes of all arrays except the triangles, since a plain mesh has triangles too.
     pub fn overhead(&self) -> usize {
         size_of_val(&self.substitute[..])
             + size_of_val(&self.split_of[..])
@@ -236,7 +238,7 @@ impl VertexHierarchy {
             + size_of_val(&self.jump[..])
     }
 
-    /// The first of the leaves that a vertex stands for at its coarsest.
+    /// Returns the first leaf represented by a vertex at its coarsest.
     #[inline]
     fn first_leaf(&self, vertex: u32) -> u32 {
         if vertex < self.leaves { vertex } else { self.first_leaf[(vertex - self.leaves) as usize] }

@@ -1,4 +1,4 @@
-//! The vertices in use, packed: each has a slot, and the last takes the place of one that goes.
+//! Packed vertices in use: each has a slot, and the last vertex takes the slot of a removed vertex.
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::mesh::NONE;
@@ -15,7 +15,7 @@ impl Packed {
         Self { slot_of: vec![NONE; vertices], ..Self::default() }
     }
 
-    /// The vertex in every slot.
+    /// Returns the vertex in every slot.
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
@@ -25,7 +25,7 @@ impl Packed {
         self.slot_of[vertex as usize]
     }
 
-    /// The slot of a vertex, given to it where it has none.
+    /// Returns the slot of a vertex, after assigning a slot if it has none.
     #[inline]
     pub fn take(&mut self, vertex: u32) -> u32 {
         let slot = &mut self.slot_of[vertex as usize];
@@ -37,7 +37,7 @@ impl Packed {
         *slot
     }
 
-    /// Frees a vertex's slot; the vertex that moved into it, if one did.
+    /// Frees a vertex's slot. Returns the vertex moved into the slot, if any.
     pub fn free(&mut self, vertex: u32) -> Option<u32> {
         let slot = std::mem::replace(&mut self.slot_of[vertex as usize], NONE);
         if slot == NONE {

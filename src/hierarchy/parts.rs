@@ -1,40 +1,41 @@
-//! The plain arrays that a vertex hierarchy is made of, in and out. What follows from others is not among them.
+//! Plain arrays of a vertex hierarchy, in and out. Arrays derivable from others are left out.
 
 use crate::mesh::NONE;
 use crate::view::Bounds;
 
 use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
 
-/// The arrays of a [`VertexHierarchy`], for file formats of your own.
+/// The arrays of a [`VertexHierarchy`], for custom file formats.
 ///
-/// A list per split is two arrays: the entries of split `s` are `items[start[s]..start[s + 1]]`, so `start` has one entry
-/// more than there are splits. Splits are numbered from coarse to fine, each after its parents.
+/// A list per split is stored as two arrays: the entries of split `s` are `items[start[s]..start[s + 1]]`, so `start` has
+/// one entry more than there are splits. Splits are numbered from coarse to fine, each after its parents.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HierarchyParts {
-    /// Per vertex the one that takes its place, or itself where it is never gone. Leaves come first.
+    /// Per vertex, the vertex taking its place, or itself if it is never removed. Leaves come first.
     pub substitute: Vec<u32>,
-    /// Per vertex that is no leaf, the first leaf that it stands for.
+    /// Per vertex except leaves, the first leaf represented by it.
     pub first_leaf: Vec<u32>,
     /// Starts of `brings`.
     pub brings_start: Vec<u32>,
-    /// Per split the vertices that it brings back, in the order in which its collapse took them.
+    /// Per split, the vertices brought back, in the order of the collapse.
     pub brings: Vec<u32>,
     /// Starts of `needs`.
     pub needs_start: Vec<u32>,
-    /// Per split those that must be in the mesh before it, besides its parents.
+    /// Per split, the splits besides its parents which must be in the mesh before it.
     pub needs: Vec<u32>,
-    /// By which rule `needs` were chosen.
+    /// Rule by which `needs` were chosen.
     pub dependencies: Dependencies,
-    /// Per split what it and all that is nested in it can change.
+    /// Per split, bounds of the changes made by it and all its descendants.
     pub bounds: Vec<Bounds>,
-    /// Corners at full resolution, as leaves: triangles that are never gone first, then by the split that brings them back.
+    /// Corners at full resolution, as leaves. First the triangles never removed, then the others by the split bringing
+    /// them back.
     pub triangles: Vec<[u32; 3]>,
-    /// Per split the first triangle that it brings back; one more than splits.
+    /// Per split, the first triangle brought back; with one more entry than splits.
     pub first_triangle: Vec<u32>,
-    /// Per triangle an index into `materials`; empty where that has fewer than two entries.
+    /// Per triangle, an index into `materials`; empty if `materials` has fewer than two entries.
     pub group_of: Vec<u16>,
-    /// The material ids in use, ascending.
+    /// Material ids in use, ascending.
     pub materials: Vec<u32>,
     /// Diagonal of the input's box, object units.
     pub diagonal: f64,
@@ -64,7 +65,7 @@ impl From<VertexHierarchy> for HierarchyParts {
 impl TryFrom<HierarchyParts> for VertexHierarchy {
     type Error = HierarchyError;
 
-    /// As [`VertexHierarchy::validate`], and no slower.
+    /// Validates as [`VertexHierarchy::validate`] does, and is no slower.
     fn try_from(parts: HierarchyParts) -> Result<Self, HierarchyError> {
         let (vertices, made) = (parts.substitute.len(), parts.first_leaf.len());
         let leaves = vertices.checked_sub(made).ok_or(HierarchyError::Length {
@@ -101,7 +102,7 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
     }
 }
 
-/// What follows from the parts.
+/// Arrays derived from the parts.
 pub(super) struct Derived {
     pub split_of: Vec<u32>,
     pub parents: Lists,
@@ -109,15 +110,15 @@ pub(super) struct Derived {
     pub roots: Vec<u32>,
 }
 
-/// Chains up to this long are walked hop by hop.
+/// Chains up to this length are walked hop by hop.
 const SHORT: u32 = 1024;
 
 impl VertexHierarchy {
-    /// Every index must be in range; nothing else is relied on. O(n log n).
+    /// Derives the remaining arrays. Every index must be in range; nothing else is assumed. O(n log n).
     pub(super) fn derived(&self) -> Derived {
         let count = self.bounds.len();
         let mut split_of = vec![NONE; self.substitute.len()];
-        // A collapse is undone after the next one that touches a vertex that it touched.
+        // A collapse is undone after the next collapse touching any of its vertices.
         let mut last = vec![NONE; self.substitute.len()];
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(2 * count);
         for split in (0..count as u32).rev() {
@@ -139,8 +140,8 @@ impl VertexHierarchy {
         Derived { split_of, parents, children, roots }
     }
 
-    /// Per vertex one far above it (Myers 1983), so that who stands for it is found in O(log n) hops; none where all chains
-    /// are short. Substitutes must form a forest. O(n).
+    /// Returns, per vertex, a vertex far above it (Myers 1983), so representatives are found in O(log n) hops. Empty if
+    /// all chains are short. Substitutes must form a forest. O(n).
     pub(super) fn jumps(&self) -> Vec<u32> {
         let count = self.substitute.len();
         let mut depth = vec![0_u32; count];
@@ -160,7 +161,7 @@ impl VertexHierarchy {
     }
 }
 
-/// The same members in the same order as [`HierarchyParts`], without a copy of them.
+/// Serializes the members of [`HierarchyParts`], in the same order, without copying them.
 #[cfg(feature = "serde")]
 impl serde::Serialize for VertexHierarchy {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,4 +1,4 @@
-//! What is drawn, as the cut moves it: splits and collapses of the surface, and vertices that move with them.
+//! Applies splits and collapses to the drawn mesh: to its surface, and to its moving vertices.
 
 use crate::adapt::RefinementSink;
 use crate::lod::Vertex;
@@ -6,7 +6,7 @@ use crate::lod::Vertex;
 use super::vertices::Vertices;
 use super::{CutSurface, VertexHierarchy};
 
-/// What is drawn, and where.
+/// The drawn mesh: surface and vertices.
 pub(super) struct Sink<'a, V> {
     pub hierarchy: &'a VertexHierarchy,
     pub surface: &'a mut CutSurface,

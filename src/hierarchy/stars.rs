@@ -1,13 +1,13 @@
-//! The corners around every active vertex, each star one run in a pool.
+//! The corners around every active vertex. Each star is a run in a pool.
 //!
-//! Runs have room for a power of two; freed ones wait in a list for their size. So walking a star reads memory in order,
-//! and once the pool has been as full as it gets nothing allocates.
+//! A run has room for a power of two. Freed runs wait in a list for their size. So a star is read in memory order, and
+//! nothing allocates once the pool has reached its largest size.
 
 use std::ops::Range;
 
 use crate::mesh::NONE;
 
-/// A corner of a drawn triangle: `3 * triangle + k`, and the leaf it has at full resolution.
+/// A corner of a drawn triangle: `3 * triangle + k`, and its leaf at full resolution.
 pub(super) type Entry = [u32; 2];
 
 /// Room of the smallest run, as a shift.
@@ -17,13 +17,13 @@ const SIZES: usize = 30;
 #[derive(Debug, Clone, Copy)]
 struct Run {
     start: u32,
-    /// Entries, and in the highest five bits the size class.
+    /// Number of entries, and in the highest five bits the size class.
     len_class: u32,
 }
 
 const LEN: u32 = (1 << 27) - 1;
 
-/// Most corners around one vertex.
+/// Maximum number of corners around a vertex.
 pub(super) const MOST_CORNERS: usize = LEN as usize;
 
 impl Run {
@@ -42,7 +42,7 @@ impl Run {
 pub(super) struct CornerStars {
     runs: Vec<Run>,
     pool: Vec<Entry>,
-    /// First free run of every size; the next is in its first entry.
+    /// First free run of every size. The first entry of a free run names the next.
     free: [u32; SIZES],
 }
 
@@ -70,7 +70,7 @@ impl CornerStars {
             self.free[class] = self.pool[head as usize][0];
             return head;
         }
-        // Half of a larger one that is free.
+        // Half of a larger free run.
         if let Some(larger) = (class + 1..SIZES).find(|&larger| self.free[larger] != NONE) {
             let start = self.free[larger];
             self.free[larger] = self.pool[start as usize][0];
@@ -115,7 +115,7 @@ impl CornerStars {
         self.runs[vertex as usize] = Run { start, len_class: run.len() as u32 | (class as u32) << 27 };
     }
 
-    /// Takes the corners of a range out of a star.
+    /// Removes the corners of a range from a star.
     pub fn remove(&mut self, vertex: u32, corners: &Range<u32>) {
         let run = self.runs[vertex as usize];
         let left = self.retain(run, corners);
@@ -124,7 +124,7 @@ impl CornerStars {
         }
     }
 
-    /// Moves the entries of a run that are not of these corners to its front; how many there are.
+    /// Moves the entries of a run outside a range of corners to its front. Returns their number.
     #[inline]
     fn retain(&mut self, run: Run, without: &Range<u32>) -> usize {
         let mut left = 0;
@@ -139,7 +139,7 @@ impl CornerStars {
         left
     }
 
-    /// Leaves the first `len` entries.
+    /// Shortens a run to its first `len` entries.
     fn shorten(&mut self, vertex: u32, len: usize) {
         let run = self.runs[vertex as usize];
         if len == 0 {
@@ -150,7 +150,7 @@ impl CornerStars {
         }
     }
 
-    /// Moves the corners whose leaf is `from` or higher to another star, which is empty, and tells each.
+    /// Moves the corners with leaf `from` or higher to another star, which must be empty. Calls `moved` with each corner.
     pub fn part(&mut self, vertex: u32, to: u32, from: u32, mut moved: impl FnMut(u32)) {
         let run = self.runs[vertex as usize];
         if run.start == NONE {
@@ -188,7 +188,8 @@ impl CornerStars {
         self.shorten(vertex, len - goes);
     }
 
-    /// Moves all corners of one star to another and tells each; but for those of a range, which are dropped.
+    /// Moves all corners of a star to another star, except a range, which is dropped. Calls `moved` with each moved
+    /// corner.
     pub fn join(&mut self, from: u32, to: u32, without: &Range<u32>, mut moved: impl FnMut(u32)) {
         let len = self.retain(self.runs[from as usize], without);
         if len < self.runs[from as usize].len() {

@@ -1,4 +1,4 @@
-//! The mesh at a cut: triangles in a dense buffer, corners that follow splits and collapses.
+//! The mesh at a cut: triangles in a dense buffer, updated by splits and collapses.
 //!
 //! ```text
 //!     split     some corners of a star go to the vertex that comes back (one comparison each), and the triangles that
@@ -6,8 +6,8 @@
 //!     collapse  the other way round; a triangle's place in the buffer is taken by the last one
 //! ```
 //!
-//! Source: the image of the input's triangles under a cut (Kim and Lee 2001 for the freedom of the cut); leaves are
-//! numbered depth first, so that all that a vertex brings are those from its own number on.
+//! Source: the image of the input's triangles under a cut (Kim and Lee 2001 for the freedom of the cut). Leaves are
+//! numbered depth first, so a vertex takes exactly the leaves from its own number on.
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::mesh::NONE;
@@ -16,37 +16,37 @@ use super::VertexHierarchy;
 use super::packed::Packed;
 use super::stars::CornerStars;
 
-/// The triangles at a cut, and with packed vertices those in use. Splits and collapses cost O(corners that move), and
-/// allocate only where buffers grow.
+/// The triangles at a cut, and if vertices are packed, the vertices in use. Splits and collapses cost O(moved corners),
+/// and allocate only when buffers grow.
 #[derive(Debug, Clone)]
 pub struct CutSurface {
     stars: CornerStars,
     output: Output,
-    /// Vertices that may have lost their last corner, while a collapse is done.
+    /// During a collapse, vertices which may have lost their last corner.
     loose: Vec<u32>,
 }
 
-/// What is drawn.
+/// The buffers to draw.
 #[derive(Debug, Clone)]
 struct Output {
-    /// Per triangle its place in its group, or `NONE`.
+    /// Per triangle, its place in its group, or `NONE`.
     place: Vec<u32>,
-    /// One per material.
+    /// A group per material.
     groups: Vec<Group>,
-    /// Slots of vertices in use; `None` where corners name vertices themselves.
+    /// Slots of vertices in use; `None` if corners name vertices themselves.
     packed: Option<Packed>,
 }
 
 #[derive(Debug, Clone, Default)]
 struct Group {
     indices: Vec<[u32; 3]>,
-    /// Per place its triangle.
+    /// Per place, its triangle.
     drawn: Vec<u32>,
     dirty: Dirty,
 }
 
 impl Output {
-    /// Lets a corner of a drawn triangle name a vertex, by its slot if it has one.
+    /// Sets the name (slot or vertex) of a drawn triangle's corner.
     #[inline]
     fn write(&mut self, hierarchy: &VertexHierarchy, corner: u32, name: u32) {
         let triangle = corner / 3;
@@ -56,7 +56,7 @@ impl Output {
         group.dirty.mark(at);
     }
 
-    /// Takes a triangle out of its group; the vertices of its corners.
+    /// Removes a triangle from its group. Returns the vertices of its corners.
     fn hide(&mut self, hierarchy: &VertexHierarchy, triangle: u32) -> [u32; 3] {
         let group = &mut self.groups[hierarchy.group_of(triangle)];
         let at = std::mem::replace(&mut self.place[triangle as usize], NONE);
@@ -72,7 +72,7 @@ impl Output {
         }
     }
 
-    /// What corners call a vertex that is or comes into use.
+    /// Returns the name of a vertex for corners: its slot, assigned if needed, or the vertex itself.
     #[inline]
     fn name(&mut self, vertex: u32) -> u32 {
         match &mut self.packed {
@@ -83,7 +83,8 @@ impl Output {
 }
 
 impl CutSurface {
-    /// The coarsest mesh. With `packed`, corners name slots of [`CutSurface::vertices`]; without, vertices of the hierarchy.
+    /// Creates the coarsest mesh. With `packed`, corners name slots of [`CutSurface::vertices`]; without, vertices of the
+    /// hierarchy.
     pub fn new(hierarchy: &VertexHierarchy, packed: bool) -> Self {
         let output = Output {
             place: vec![NONE; hierarchy.triangle_count()],
@@ -98,7 +99,7 @@ impl CutSurface {
         surface
     }
 
-    /// The mesh of a set of splits, closed under parents.
+    /// Creates the mesh of a set of splits, closed under parents.
     pub(super) fn at(hierarchy: &VertexHierarchy, packed: bool, shows: impl Fn(u32) -> bool) -> Self {
         let mut surface = Self::new(hierarchy, packed);
         // Parents come first.
@@ -108,33 +109,33 @@ impl CutSurface {
         surface
     }
 
-    /// Corners of the drawn triangles of a group: all of one material (in the order of
-    /// [`VertexHierarchy::materials`]), or all there are. Empty where there is no such group.
+    /// Returns the corners of a group's drawn triangles. A group has all triangles of a material (in the order of
+    /// [`VertexHierarchy::materials`]), or all triangles if there are no materials. Empty if there is no such group.
     pub fn triangles(&self, group: usize) -> &[[u32; 3]] {
         self.output.groups.get(group).map_or(&[], |group| &group.indices)
     }
 
-    /// Per drawn triangle of a group its number in the hierarchy.
+    /// Returns, per drawn triangle of a group, its number in the hierarchy.
     pub fn drawn(&self, group: usize) -> &[u32] {
         self.output.groups.get(group).map_or(&[], |group| &group.drawn)
     }
 
-    /// Number of groups, at least one.
+    /// Number of groups, at least 1.
     pub fn groups(&self) -> usize {
         self.output.groups.len()
     }
 
-    /// Drawn triangles of all groups.
+    /// Number of drawn triangles of all groups.
     pub fn triangle_count(&self) -> usize {
         self.output.groups.iter().map(|group| group.drawn.len()).sum()
     }
 
-    /// The hierarchy's vertex in every slot; `None` where vertices are not packed.
+    /// Returns the vertex in every slot; `None` if vertices are not packed.
     pub fn vertices(&self) -> Option<&[u32]> {
         self.output.packed.as_ref().map(Packed::vertices)
     }
 
-    /// The slot of a vertex, or the vertex itself where vertices are not packed; `None` where it is not in use.
+    /// Returns the slot of a vertex, or the vertex itself if vertices are not packed; `None` if it is not in use.
     pub fn slot(&self, vertex: u32) -> Option<u32> {
         match &self.output.packed {
             Some(packed) => Some(packed.slot(vertex)).filter(|&slot| slot != NONE),
@@ -142,36 +143,37 @@ impl CutSurface {
         }
     }
 
-    /// Triangles of a group written since [`CutSurface::clean`], as ranges; see [`Dirty::ranges`].
+    /// Returns the triangles of a group written since [`CutSurface::clean`], as ranges; see [`Dirty::ranges`].
     pub fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
         let group = self.output.groups.get(group);
         group.map_or_else(DirtyRanges::none, |group| group.dirty.ranges(group.drawn.len(), gap))
     }
 
-    /// Slots written since [`CutSurface::clean`], as ranges; none where vertices are not packed.
+    /// Returns the slots written since [`CutSurface::clean`], as ranges; none if vertices are not packed.
     pub fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
         self.output.packed.as_ref().map_or_else(DirtyRanges::none, |packed| packed.dirty(gap))
     }
 
-    /// Forgets what was written.
+    /// Forgets all written triangles and slots.
     pub fn clean(&mut self) {
         self.output.groups.iter_mut().for_each(|group| group.dirty.clear());
         self.clean_vertices();
     }
 
-    /// Takes all for written.
+    /// Marks all drawn triangles as written.
     pub(super) fn invalidate(&mut self) {
         self.output.groups.iter_mut().for_each(|group| group.dirty.mark_all(group.drawn.len()));
     }
 
-    /// The same for slots alone.
+    /// Forgets all written slots.
     pub(super) fn clean_vertices(&mut self) {
         if let Some(packed) = &mut self.output.packed {
             packed.clean();
         }
     }
 
-    /// Brings a split into the mesh. `there` says which splits are, this one included; all that it needs must be.
+    /// Adds a split to the mesh. `there` tells the splits in the mesh, including this split. All splits it needs must be
+    /// present.
     pub(crate) fn split(
         &mut self,
         hierarchy: &VertexHierarchy,
@@ -197,7 +199,7 @@ impl CutSurface {
         }
     }
 
-    /// Takes a split out of the mesh again; none that needs it may be there.
+    /// Removes a split from the mesh. No split in the mesh may need it.
     pub(crate) fn collapse(&mut self, hierarchy: &VertexHierarchy, split: u32) {
         let Self { stars, output, loose } = self;
         let owned = hierarchy.owned(split);
@@ -205,7 +207,7 @@ impl CutSurface {
         let brought = hierarchy.brings.get(split);
         for triangle in owned {
             for vertex in output.hide(hierarchy, triangle) {
-                // What is brought loses its star as a whole.
+                // Vertices of the split lose their stars as a whole.
                 if !brought.contains(&vertex) {
                     stars.remove(vertex, &gone);
                     if output.packed.is_some() {
@@ -247,7 +249,7 @@ impl CutSurface {
         }
     }
 
-    /// Frees the slot of a vertex that no corner names any more.
+    /// Frees the slot of a vertex named by no corner.
     fn release(&mut self, hierarchy: &VertexHierarchy, vertex: u32) {
         let Self { stars, output, .. } = self;
         let Some(packed) = &mut output.packed else { return };
@@ -262,12 +264,12 @@ impl CutSurface {
         }
     }
 
-    /// Corners around a vertex: `3 * triangle + k`.
+    /// Returns the corners around a vertex: `3 * triangle + k`.
     pub(crate) fn star(&self, vertex: u32) -> impl Iterator<Item = u32> {
         self.stars.of(vertex).iter().map(|entry| entry[0])
     }
 
-    /// What the corners of a triangle name, if it is drawn.
+    /// Returns the names of a triangle's corners, if it is drawn.
     pub(crate) fn corners(&self, hierarchy: &VertexHierarchy, triangle: u32) -> Option<[u32; 3]> {
         let at = *self.output.place.get(triangle as usize)?;
         self.output.groups[hierarchy.group_of(triangle)].indices.get(at as usize).copied()

@@ -1,5 +1,5 @@
-//! Every promise of a vertex hierarchy, checked: after these nothing that is done with it can panic, run on, or show
-//! anything but the image of its triangles.
+//! Checks all invariants of a vertex hierarchy. A valid hierarchy never panics, never loops without end, and shows only
+//! the image of its triangles.
 //!
 //! ```text
 //!     replay all collapses, fine to coarse:
@@ -8,9 +8,9 @@
 //!     every triangle comes back with the split at which the last two of its corners part
 //! ```
 //!
-//! That all splits at a vertex are nested in one another is by construction: parents are derived from the same replay. The
-//! last promise follows from numbering vertices by reverse order of their collapses: the split is that of the highest number
-//! at which paths meet, and jump pointers find it, however long the chains are.
+//! All splits at a vertex are nested in one another by construction, because parents are derived from the same replay.
+//! For the last invariant, vertices are numbered by reverse order of their collapses. The split of a triangle is the
+//! split of the highest number at which paths of its corners meet. Jump pointers find it, for chains of any length.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
 use crate::simplify::collapse_forest::{Forest, is_degenerate};
@@ -19,20 +19,20 @@ use crate::view::Bounds;
 use super::build::{MOST_MATERIALS, MOST_TRIANGLES};
 use super::{Dependencies, HierarchyError, VertexHierarchy};
 
-/// Longest diagonal of a box of finite single-precision numbers, and a length below the shortest.
+/// Upper bound of the diagonal of a box of finite single-precision numbers (`LONGEST`), and a length below the shortest.
 const LONGEST: f64 = 1.2e39;
 const SHORTEST: f64 = 1e-45;
 
 impl VertexHierarchy {
-    /// Checks that the structure holds together: every index in range; substitutes form a forest in which the leaves that
-    /// a vertex stands for are one run; all splits at a vertex are nested in one another; parents and needs have no cycle;
-    /// bounds are nested; every triangle comes back with the split at which two of its corners part.
+    /// Checks the structure: every index is in range; substitutes form a forest in which the leaves represented by a
+    /// vertex are a run; all splits at a vertex are nested in one another; parents and needs have no cycle; bounds are
+    /// nested; every triangle comes back with the last split to part two of its corners.
     ///
-    /// Holds for whatever [`VertexHierarchy::build`] makes; parts and files are let in through it only.
-    /// O(n log n) on any input.
+    /// Holds for every result of [`VertexHierarchy::build`]. Parts and files are accepted only if valid. O(n log n) on
+    /// any input.
     ///
     /// # Errors
-    /// The first promise that is broken, and where.
+    /// The first broken invariant, and its place.
     pub fn validate(&self) -> Result<(), HierarchyError> {
         self.check_arrays()?;
         let derived = self.derived();
@@ -50,7 +50,7 @@ impl VertexHierarchy {
         same("the jump of vertex", &self.jump, &self.jumps())
     }
 
-    /// All that needs nothing but [`Self::check_arrays`] and what is derived.
+    /// Checks the invariants which need only [`Self::check_arrays`] and the derived arrays.
     pub(super) fn check_promises(&self) -> Result<(), HierarchyError> {
         self.check_collapses()?;
         self.check_needs()?;
@@ -58,7 +58,7 @@ impl VertexHierarchy {
         self.check_triangles()
     }
 
-    /// Lengths and ranges of the arrays.
+    /// Checks lengths and ranges of the arrays.
     pub(super) fn check_arrays(&self) -> Result<(), HierarchyError> {
         let (vertices, splits, triangles) = (self.substitute.len(), self.bounds.len(), self.triangles.len());
         let leaves = self.leaves as usize;
@@ -108,7 +108,7 @@ impl VertexHierarchy {
             }
         }
         let mut gone = vec![false; self.substitute.len()];
-        // Where the run of each vertex ends.
+        // Per vertex, the end of its run.
         let mut end: Vec<u32> =
             (0..self.leaves).map(|leaf| leaf + 1).chain(self.first_leaf.iter().copied()).collect();
         for split in (0..self.bounds.len() as u32).rev() {
@@ -132,7 +132,7 @@ impl VertexHierarchy {
         Ok(())
     }
 
-    /// Needs and parents together: takes away what nothing left needs until nothing is left.
+    /// Checks needs and parents together for cycles: removes splits needed by no remaining split until none are left.
     fn check_needs(&self) -> Result<(), HierarchyError> {
         let count = self.bounds.len();
         let all = |split: u32| self.parents.get(split).iter().chain(self.needs.get(split));
@@ -200,7 +200,7 @@ impl VertexHierarchy {
     }
 }
 
-/// Starts of lists, at least one, with so many items in all.
+/// Checks starts of lists: at least one start, ascending from 0 to `items`.
 fn check_starts(what: &'static str, start: &[u32], items: usize) -> Result<(), HierarchyError> {
     let last = start.len() - 1;
     if start[0] != 0 {
@@ -250,7 +250,7 @@ mod tests {
     use super::*;
     use crate::mesh::shapes;
 
-    /// What parts cannot break, since it is derived from them.
+    /// Damage to derived arrays, which parts cannot have.
     #[test]
     fn what_is_derived_is_checked() {
         let mesh = HierarchyBuilder::new().bake(&shapes::rock(300, 1)).expect("a rock");

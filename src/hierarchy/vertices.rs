@@ -1,15 +1,15 @@
-//! The vertex buffer of an instance, and where vertices are that are not at rest.
+//! The vertex buffer of an instance, and the current values of moving vertices.
 //!
 //! ```text
 //!     opening   from where it was to its own place
 //!     closing   from where it was to where its substitute is, which may be on its way itself
 //! ```
 //!
-//! A vertex is the blend of a start and a goal. To turn round is to start anew from where it is, so nothing jumps; and a
-//! closing vertex has come to its substitute when it gives way to it, so that does not show. A substitute that is a new
-//! vertex counts as drawn where it is or will be.
+//! The value of a moving vertex is a blend of a start and a goal. To turn round, a vertex starts anew from its current
+//! value, so nothing jumps. A closing vertex has reached its substitute before it is removed, so its removal is not
+//! visible. A substitute which is a new vertex counts as drawn at its current or future place.
 //!
-//! Only what moves costs anything: entries are a list, with its place per vertex.
+//! Only moving vertices cost anything: entries are a list, with the entry's place per vertex.
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::lod::{Mix, Values, Vertex};
@@ -21,42 +21,43 @@ use super::{CutSurface, VertexHierarchy};
 struct Entry<V> {
     vertex: u32,
     start: V,
-    /// Where it is.
+    /// Current value.
     shown: V,
-    /// Share of the way gone.
+    /// Share of the way travelled.
     weight: f32,
     closing: bool,
-    /// Whether `shown` is that of this frame.
+    /// Whether `shown` is up to date in this frame.
     done: bool,
 }
 
-/// Vertices on their way.
+/// Moving vertices.
 #[derive(Debug, Clone)]
 struct Moving<V> {
     mix: Mix<V>,
-    /// Per vertex its entry, or `NONE`.
+    /// Per vertex, its entry, or `NONE`.
     entry_of: Vec<u32>,
     entries: Vec<Entry<V>>,
     chain: Vec<u32>,
-    /// Vertices that came to rest, or came there at once, in this frame.
+    /// Vertices which came to rest in this frame, after moving or at once.
     rested: Vec<u32>,
 }
 
 #[derive(Debug, Clone)]
 pub(super) struct Vertices<V> {
-    /// Every vertex at rest.
+    /// Values of all vertices at rest.
     values: Values<V>,
-    /// What is drawn: of every slot, or of every vertex where some may move; `None` where `values` are drawn as they are.
+    /// Drawn values, per slot, or per vertex if vertices may move; `None` if `values` are drawn directly.
     drawn: Option<Vec<V>>,
     dirty: Dirty,
-    /// `None` where vertices jump.
+    /// Moving vertices; `None` if vertices jump.
     moving: Option<Moving<V>>,
-    /// Whether `values`, where they are drawn as they are, lie in a buffer for all instances.
+    /// Whether `values`, if drawn directly, lie in a buffer for all instances.
     shared: bool,
 }
 
 impl<V: Vertex> Vertices<V> {
-    /// All at rest, all to be uploaded. `values` must be as many as vertices. `mix` where vertices may move.
+    /// Starts with all vertices at rest and to be uploaded. There must be as many `values` as vertices. `mix`: needed if
+    /// vertices may move.
     pub fn new(values: Values<V>, surface: &CutSurface, mix: Option<Mix<V>>, shared: bool) -> Self {
         let count = values.len();
         let drawn = match (surface.vertices(), mix) {
@@ -76,40 +77,40 @@ impl<V: Vertex> Vertices<V> {
         vertices
     }
 
-    /// Every vertex at rest.
+    /// Returns the values of all vertices at rest.
     pub fn values(&self) -> &Values<V> {
         &self.values
     }
 
-    /// What the buffer holds.
+    /// Returns the contents of the buffer.
     pub fn drawn(&self) -> &[V] {
         self.drawn.as_deref().unwrap_or(&self.values)
     }
 
-    /// Whether the buffer is that of the values.
+    /// Whether the buffer is the shared buffer of values.
     pub fn is_shared(&self) -> bool {
         self.shared && self.drawn.is_none()
     }
 
-    /// Where a vertex is.
+    /// Returns the current value of a vertex.
     pub fn shown(&self, vertex: u32) -> V {
         let entry = self.moving.as_ref().and_then(|moving| moving.entry(vertex));
         entry.map_or(self.values[vertex as usize], |entry| entry.shown)
     }
 
-    /// Vertices that move.
+    /// Number of moving vertices.
     pub fn moving(&self) -> usize {
         self.moving.as_ref().map_or(0, |moving| moving.entries.len())
     }
 
-    /// All go on by a share of their way.
+    /// Advances all moving vertices by a share of their way.
     pub fn advance(&mut self, hierarchy: &VertexHierarchy, progress: f32) {
         if let Some(moving) = &mut self.moving {
             moving.advance(hierarchy, &self.values, progress);
         }
     }
 
-    /// The vertices of a split start at their substitutes, or at their own places.
+    /// Starts the vertices of a new split: at their substitutes if `smoothly`, else at their own places.
     #[inline]
     pub fn open(&mut self, hierarchy: &VertexHierarchy, split: u32, smoothly: bool) {
         if let Self { moving: Some(moving), values, .. } = self {
@@ -117,14 +118,14 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// They turn to their substitutes, or to their own places.
+    /// Turns the vertices of a split towards their substitutes if `closing`, else towards their own places.
     pub fn turn(&mut self, hierarchy: &VertexHierarchy, split: u32, closing: bool) {
         if let Self { moving: Some(moving), values, .. } = self {
             moving.turn(hierarchy, values, split, closing);
         }
     }
 
-    /// They are gone.
+    /// Forgets the motion of a removed split's vertices.
     #[inline]
     pub fn end(&mut self, hierarchy: &VertexHierarchy, split: u32) {
         if let Some(moving) = &mut self.moving {
@@ -132,7 +133,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Writes what is drawn where something moved, or where a slot got another vertex.
+    /// Writes drawn values of vertices which moved, and of slots with another vertex.
     pub fn write(&mut self, surface: &mut CutSurface) {
         let Self { values, drawn: Some(drawn), dirty, moving, .. } = self else { return };
         if let Some(vertices) = surface.vertices() {
@@ -154,7 +155,7 @@ impl<V: Vertex> Vertices<V> {
         if let Some(moving) = moving {
             let on_their_way = moving.entries.iter().map(|entry| entry.vertex);
             for vertex in moving.rested.iter().copied().chain(on_their_way) {
-                // Without slots also what is not in use: it may come into use without a word.
+                // Without slots, also write vertices not in use: they may come into use without notice.
                 let slot = if surface.vertices().is_none() { Some(vertex) } else { surface.slot(vertex) };
                 if let Some((slot, drawn)) = slot.and_then(|slot| Some((slot, drawn.get_mut(slot as usize)?)))
                 {
@@ -175,7 +176,7 @@ impl<V: Vertex> Vertices<V> {
         self.dirty.clear();
     }
 
-    /// Takes all for written.
+    /// Marks the whole buffer as written, unless it is shared.
     pub fn invalidate(&mut self) {
         self.dirty.clear();
         if !self.is_shared() {
@@ -183,7 +184,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Bytes of its arrays, the values at rest not counted.
+    /// Bytes of the arrays, except the values at rest.
     pub fn memory(&self) -> usize {
         let moving = self
             .moving
@@ -224,7 +225,7 @@ impl<V: Vertex> Moving<V> {
     }
 
     fn open(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32, smoothly: bool) {
-        // The last one taken is the first that another may start at.
+        // In reverse, because a vertex taken later may be the substitute at which an earlier vertex starts.
         for &vertex in hierarchy.brings.get(split).iter().rev() {
             if smoothly {
                 let from = self.shown(values, hierarchy.substitute[vertex as usize]);
@@ -247,7 +248,8 @@ impl<V: Vertex> Moving<V> {
         hierarchy.brings.get(split).iter().for_each(|&vertex| self.remove(vertex));
     }
 
-    /// Finds where an entry is, and first its substitute if it goes there.
+    /// Computes the current value of an entry. If the entry moves to its substitute, computes the substitute's value
+    /// first.
     fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], at: usize) {
         self.chain.clear();
         let mut next = at as u32;

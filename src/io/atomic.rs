@@ -1,25 +1,25 @@
-//! Files that are whole or not there: written beside their place, made durable, and renamed over it.
+//! Atomic writes: a temporary file beside the target, made durable, then renamed over the target.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Puts `bytes` at `path`. On any error nothing is left behind, and a file that was there before is untouched.
+/// Writes `bytes` to `path`. After an error no temporary file is left, and an existing file is unchanged.
 ///
-/// A symbolic link is followed and stays; permissions of an existing file are kept. What is there but is no regular file
-/// (a terminal, a pipe, the null device) is written to directly.
+/// Follows a symbolic link and keeps it. Keeps the permissions of an existing file. Writes directly to a path that is
+/// not a regular file (a terminal, a pipe, the null device).
 ///
 /// # Errors
-/// Whatever the system says.
+/// Errors of the operating system.
 pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write()`], with a closure that writes the content.
+/// Writes a file like [`write()`], calling `fill` to write the content.
 ///
 /// # Errors
-/// What `fill` or the system says.
+/// Errors of `fill` or of the operating system.
 pub fn write_with(path: impl AsRef<Path>, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let path = path.as_ref();
     let old = fs::metadata(path).ok();
@@ -36,7 +36,7 @@ pub fn write_with(path: impl AsRef<Path>, fill: impl FnOnce(&mut File) -> io::Re
     drop(file);
     fs::rename(&temporary.path, &target)?;
     std::mem::forget(temporary);
-    // The rename is durable once the directory is; where directories cannot be opened there is nothing to do.
+    // The rename is durable once the directory is synced. Where directories cannot be opened, syncing is skipped.
     if let Ok(directory) = File::open(parent(&target)) {
         let _ = directory.sync_all();
     }
@@ -47,19 +47,19 @@ fn parent(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A file that goes away unless it is renamed.
+/// A file deleted on drop, unless renamed.
 struct Temporary {
     path: PathBuf,
 }
 
 impl Temporary {
-    /// A new file in the same directory, under a name that nothing has.
+    /// Creates a file in the directory of `target`, under an unused name.
     fn beside(target: &Path) -> io::Result<(Self, File)> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let name = target.file_name().ok_or(io::Error::from(io::ErrorKind::InvalidInput))?;
         loop {
             let unique = format!(".{}.{}.tmp", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
-            // Long names are cut, so that the temporary one is not too long where the target's is not.
+            // Long names are cut: the temporary name fits where the target's name fits.
             let mut hidden = String::from(".");
             hidden.extend(name.to_string_lossy().chars().take(40));
             let path = parent(target).join(hidden + &unique);

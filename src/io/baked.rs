@@ -1,4 +1,4 @@
-//! The baked container, `.mres`: any structure of this crate behind a header that finds damage before decoding does.
+//! The baked container, `.mres`: any structure of this crate behind a header for detecting damage before decoding.
 //!
 //! ```text
 //!     offset  bytes
@@ -10,79 +10,78 @@
 //!         44          payload: bincode 2, little-endian, fixed-size integers
 //! ```
 //!
-//! All numbers are little-endian. The checksum finds accidents, not forgery: a file with a right checksum may still hold
-//! anything, so decoding runs under a limit near the payload's own size, and every structure validates what it is made
-//! from.
+//! All numbers are little-endian. The checksum detects accidents, not forgery: a file with a valid checksum may hold
+//! any bytes. So decoding runs under a limit near the payload's size, and every structure validates its input.
 
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// First bytes of a baked file. As in PNG: a byte that is no ASCII, the name, a line end and an end-of-text mark.
+/// First bytes of a baked file. As in PNG: a non-ASCII byte, the name, a line end and an end-of-file mark (Ctrl-Z).
 const MAGIC: [u8; 8] = *b"\x89MRES\r\n\x1a";
-/// Version of the container and of the structures' layout; files of another version are refused.
+/// Version of the container and of the structures' layout. Files of another version are rejected.
 pub const VERSION: u32 = 3;
-/// Bytes of the kind's name.
+/// Length of the kind's name, bytes.
 const KIND: usize = 16;
-/// Where length, checksum and payload start.
+/// Offsets of length, checksum and payload.
 const LENGTH_AT: usize = 28;
 const CHECKSUM_AT: usize = 36;
 const PAYLOAD_AT: usize = 44;
 
-/// Why a value could not be baked, or bytes not be a value again.
+/// Error of [`bake`], [`unbake`] and their file versions.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BakeError {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The bytes do not start as a baked file does, or were changed by a transfer in text mode.
+    /// The bytes do not start with the magic number of a baked file, or a transfer in text mode changed them.
     #[error("this is no baked file")]
     NotBaked,
-    /// Another version of this crate wrote the file.
+    /// The file has another format version.
     #[error("the file has format version {found}, this is version {expected}")]
     OtherVersion {
-        /// The version in the file.
+        /// Version in the file.
         found: u32,
-        /// The version that can be read.
+        /// Version supported.
         expected: u32,
     },
-    /// The file holds another structure.
+    /// The file holds another kind of structure.
     #[error("the file holds a {found:?}, not a {expected:?}")]
     OtherKind {
-        /// The kind in the file.
+        /// Kind in the file.
         found: String,
-        /// The kind asked for.
+        /// Kind requested.
         expected: String,
     },
-    /// The bytes are not those that were written, or the structure in them is not valid.
+    /// The bytes differ from the bytes written, or the structure is not valid.
     #[error("the file is damaged: {what}")]
     Damaged {
-        /// What does not fit.
+        /// Description of the damage.
         what: String,
     },
-    /// There are bytes after the end.
+    /// Bytes follow the end of the content.
     #[error("{bytes} bytes follow the end of the file's content")]
     Trailing {
-        /// How many.
+        /// Number of extra bytes.
         bytes: usize,
     },
     /// The kind's name is not 1 to 16 printable ASCII characters.
     #[error("{kind:?} is no name of a kind: 1 to 16 printable ASCII characters are")]
     BadKind {
-        /// The name.
+        /// Name given.
         kind: String,
     },
     /// The value cannot be serialised.
     #[error("the value cannot be written: {what}")]
     Encode {
-        /// Why.
+        /// Reason.
         what: String,
     },
 }
@@ -91,10 +90,10 @@ fn damaged(what: impl ToString) -> BakeError {
     BakeError::Damaged { what: what.to_string() }
 }
 
-/// A value as bytes of the baked container. The same value gives the same bytes.
+/// Encodes a value as bytes of the baked container. Equal values give equal bytes.
 ///
 /// # Errors
-/// The kind is no name of 1 to 16 printable ASCII characters, or the value refuses to be serialised.
+/// `kind` is not 1 to 16 printable ASCII characters, or serialising the value fails.
 pub fn bake<T: Serialize>(kind: &str, value: &T) -> Result<Vec<u8>, BakeError> {
     if kind.is_empty() || kind.len() > KIND || !kind.bytes().all(|b| b.is_ascii_graphic()) {
         return Err(BakeError::BadKind { kind: kind.to_owned() });
@@ -113,11 +112,11 @@ pub fn bake<T: Serialize>(kind: &str, value: &T) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-/// The value that [`bake`] made bytes from.
+/// Decodes a value from the bytes of [`bake`].
 ///
 /// # Errors
-/// See [`BakeError`]. Damage of any single byte or word and any truncation are found for certain, other accidents but
-/// for one in 2^64. Reserves no more than a small multiple of the bytes given.
+/// See [`BakeError`]. Always detects a damaged byte, a damaged 8-byte word of the checksum's input, and truncation;
+/// misses other damage with probability 2^-64. Reserves at most a small multiple of the length of `bytes`.
 pub fn unbake<T: DeserializeOwned>(kind: &str, bytes: &[u8]) -> Result<T, BakeError> {
     let found = baked_kind(bytes)?;
     let payload = &bytes[PAYLOAD_AT..];
@@ -141,10 +140,10 @@ pub fn unbake<T: DeserializeOwned>(kind: &str, bytes: &[u8]) -> Result<T, BakeEr
     }
 }
 
-/// The kind of structure in a baked file; looks at its header alone.
+/// Returns the kind of structure in a baked file; reads only the header.
 ///
 /// # Errors
-/// The bytes do not start as a baked file of this version does.
+/// The bytes do not start with the header of a baked file of this version.
 pub fn baked_kind(bytes: &[u8]) -> Result<String, BakeError> {
     if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
         return Err(BakeError::NotBaked);
@@ -164,10 +163,10 @@ pub fn baked_kind(bytes: &[u8]) -> Result<String, BakeError> {
     Ok(String::from_utf8_lossy(&name[..end]).into_owned())
 }
 
-/// Writes a value to a file, whole or not at all.
+/// Bakes a value and writes it to a file atomically.
 ///
 /// # Errors
-/// As [`bake`], or what the system says.
+/// Errors of [`bake`] and of the operating system.
 pub fn write_baked<T: Serialize>(path: impl AsRef<Path>, kind: &str, value: &T) -> Result<(), BakeError> {
     let path = path.as_ref();
     let bytes = bake(kind, value)?;
@@ -177,7 +176,7 @@ pub fn write_baked<T: Serialize>(path: impl AsRef<Path>, kind: &str, value: &T) 
 /// Reads a value from a file.
 ///
 /// # Errors
-/// As [`unbake`], or what the system says.
+/// Errors of [`unbake`] and of the operating system.
 pub fn read_baked<T: DeserializeOwned>(path: impl AsRef<Path>, kind: &str) -> Result<T, BakeError> {
     unbake(kind, &read_bytes(path.as_ref())?)
 }
@@ -186,13 +185,13 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, BakeError> {
     std::fs::read(path).map_err(|source| BakeError::Io { path: path.to_owned(), source })
 }
 
-/// Bytes at a place that is known to exist.
+/// Returns bytes at an offset known to exist.
 fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     std::array::from_fn(|i| bytes[at + i])
 }
 
-/// Decodes under the least limit that the payload fits. Without one, the length of a string is reserved as it is said;
-/// sequences are reserved by serde up to a mebibyte and then grow as they are filled.
+/// Decodes under the smallest limit that fits the payload. Without a limit, bincode would reserve a string's declared
+/// length. Serde reserves up to a mebibyte for a sequence and then grows it as it fills.
 fn decode<T: DeserializeOwned>(payload: &[u8]) -> Result<(T, usize), BakeError> {
     macro_rules! under_limit {
         ($($bits:literal)*) => {
@@ -211,7 +210,7 @@ fn decode<T: DeserializeOwned>(payload: &[u8]) -> Result<(T, usize), BakeError> 
     under_limit!(10 12 14 16 18 20 22 24 26 28 30).map_err(|e| damaged(one_line(&e)))
 }
 
-/// What a structure said of its content, or the decoder of the bytes.
+/// Returns the error message of the structure, or of the decoder, as a single line.
 fn one_line(error: &bincode::error::DecodeError) -> String {
     let text = match error {
         bincode::error::DecodeError::OtherString(reason) => reason.clone(),
@@ -220,9 +219,9 @@ fn one_line(error: &bincode::error::DecodeError) -> String {
     text.replace(['\n', '\r'], " ")
 }
 
-/// FNV-1a over little-endian words of 8 bytes instead of single bytes, with the upper half folded into the lower after
-/// each, of all bytes but the checksum itself. Each step is a bijection of the state, so damage within one word always
-/// shows. Source: Fowler, Noll and Vo, draft-eastlake-fnv.
+/// Computes FNV-1a over little-endian words of 8 bytes instead of single bytes, folding the upper half into the lower
+/// after each word. Covers all bytes but the checksum. Each step is a bijection of the state, so damage within a single
+/// word is always detected. Source: Fowler, Noll and Vo, draft-eastlake-fnv.
 fn checksum(bytes: &[u8]) -> u64 {
     let step = |state: u64, word: u64| {
         let product = (state ^ word).wrapping_mul(0x0000_0100_0000_01b3);

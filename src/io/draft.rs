@@ -1,12 +1,12 @@
-//! What every reader fills: a mesh in double precision, before the origin is moved and positions are rounded.
+//! The output of every reader: a mesh in double precision, before the origin is moved and positions are rounded.
 //!
-//! Coordinates stay `f64` until [`Draft::finish`], so that a mesh far from the origin can be moved there before single
-//! precision takes its digits. Indices are not trusted: [`Mesh::new`] checks them.
+//! Coordinates stay `f64` until [`Draft::finish`]: the origin of a distant mesh can be moved before rounding to single
+//! precision loses digits. Indices are not trusted: [`Mesh::new`] checks them.
 
 use super::{Imported, ReadError, ReadOptions, SceneOrigin};
 use crate::mesh::{Attribute, AttributeValues, Mesh, Topology};
 
-/// Share of the diagonal by which single precision may round positions before the origin is moved.
+/// Largest rounding of positions to single precision, as a share of the diagonal, for which the origin stays.
 const MOST_LOST: f64 = 1e-6;
 
 /// A mesh being read.
@@ -15,16 +15,16 @@ pub(super) struct Draft {
     pub positions: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
     pub attributes: Vec<Attribute>,
-    /// One per triangle, or empty.
+    /// Material id of each triangle, or empty.
     pub materials: Vec<u32>,
     pub material_names: Vec<String>,
     pub notes: Vec<String>,
-    /// The vertices are a triangle soup: those at equal positions become one.
+    /// The vertices are a triangle soup: vertices at equal positions are welded.
     pub weld: bool,
 }
 
 impl Draft {
-    /// Moves the origin, rounds, welds where asked, and validates.
+    /// Moves the origin, rounds, welds if requested, and validates.
     pub fn finish(mut self, options: &ReadOptions) -> Result<Imported, ReadError> {
         let origin = match options.origin {
             SceneOrigin::Keep => [0.0; 3],
@@ -50,13 +50,13 @@ impl Draft {
         Ok(Imported { mesh, origin, notes: self.notes })
     }
 
-    /// Finite vertices that a triangle uses, once for each corner.
+    /// Returns the finite vertices used by triangles, once for each corner.
     fn used(&self) -> impl Iterator<Item = &[f64; 3]> {
         let used = self.triangles.as_flattened().iter().filter_map(|&v| self.positions.get(v as usize));
         used.filter(|p| p.iter().all(|x| x.is_finite()))
     }
 
-    /// Smallest and largest corner of the box around all used vertices; `None` without any.
+    /// Returns the smallest and largest corner of the box around all used vertices; `None` without used vertices.
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let first = *self.used().next()?;
         Some(self.used().fold([first; 2], |[low, high], p| {
@@ -64,23 +64,24 @@ impl Draft {
         }))
     }
 
-    /// Middle of the box around all used vertices.
+    /// Returns the middle of the box around all used vertices.
     fn center(&self) -> [f64; 3] {
         self.bounds().map_or([0.0; 3], |[low, high]| [0, 1, 2].map(|i| low[i] * 0.5 + high[i] * 0.5))
     }
 
-    /// Zero, unless single precision would round positions by more than [`MOST_LOST`] of the diagonal. Then the middle of
-    /// the box, rounded to a multiple of a power of two about as large as the box: so sums with positions are exact, and
-    /// a level of the mesh mostly gets the origin of the mesh. Notes what was done.
+    /// Returns zero, unless single precision would round positions by more than [`MOST_LOST`] of the diagonal. Then
+    /// returns the middle of the box, rounded to a multiple of a power of two about as large as the box. The rounding
+    /// makes sums with positions exact, and gives most levels of a mesh the mesh's own origin. Adds a note about the
+    /// move.
     fn own_origin(&mut self) -> [f64; 3] {
         let Some([low, high]) = self.bounds() else { return [0.0; 3] };
         let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let diagonal = length([0, 1, 2].map(|i| high[i] - low[i]));
         let rounding = |p: &[f64; 3]| length(p.map(|x| x - f64::from(x as f32)));
         let lost = self.used().map(rounding).fold(0.0, f64::max);
-        // What overflows is refused as it stands.
+        // Overflowing values are left unchanged, and rejected later.
         let far = lost > MOST_LOST * diagonal && lost.is_finite() && diagonal > 0.0;
-        // Numbers that were single precision when they were written lose nothing.
+        // Numbers written from single precision lose nothing.
         if !far || self.used().flatten().all(|&x| is_single(x)) {
             return [0.0; 3];
         }
@@ -96,13 +97,13 @@ impl Draft {
     }
 }
 
-/// Whether a number is one of single precision, as it is or as its shortest text says it.
+/// Tests if a number is a single precision number, exactly or by its shortest decimal form.
 fn is_single(x: f64) -> bool {
     let single = x as f32;
     f64::from(single) == x || single.to_string().parse() == Ok(x)
 }
 
-/// One vertex per point, in order of first appearance.
+/// Welds to a vertex per point, in order of first appearance.
 fn weld(soup: &Mesh) -> Result<Mesh, ReadError> {
     let topology = Topology::new(soup);
     let at = |&v: &u32| soup.positions()[v as usize];
@@ -112,7 +113,7 @@ fn weld(soup: &Mesh) -> Result<Mesh, ReadError> {
     Ok(Mesh::new(positions, triangles)?)
 }
 
-/// Attribute values are carried as the file has them, NaN too; the caller should know.
+/// Adds a note if an attribute has values that are not finite: these are kept as in the file.
 fn note_non_finite(attribute: &Attribute, notes: &mut Vec<String>) {
     let AttributeValues::Float(values) = attribute.values() else { return };
     let mut bad = values.iter().enumerate().filter(|(_, x)| !x.is_finite());
@@ -125,7 +126,7 @@ fn note_non_finite(attribute: &Attribute, notes: &mut Vec<String>) {
     }
 }
 
-/// Counts something worth telling, and remembers where the first that was added is.
+/// Counts occurrences, and remembers the place of the first.
 #[derive(Default)]
 pub(super) struct Tally {
     count: usize,
@@ -140,7 +141,7 @@ impl Tally {
         self.count += 1;
     }
 
-    /// Puts "`count` `what`, such as at `place` N" among the notes, if there was any.
+    /// Adds the note "`count` `what`, such as at `place` N", if `count > 0`.
     pub fn note(&self, what: &str, place: &str, notes: &mut Vec<String>) {
         if self.count > 0 {
             notes.push(format!("{} {what}, such as at {place} {}", self.count, self.first));

@@ -1,17 +1,17 @@
-//! What can be wrong with a file: one enum for reading and one for writing, each message one line that names the place.
+//! Errors of reading and writing files: an enum each. Each message is a single line naming the place.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use crate::error::MeshError;
 
-/// Where in a file something was found.
+/// Place in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
-    /// A line, counted from 1.
+    /// Line number, from 1.
     Line(usize),
-    /// An offset in bytes from the start of the file.
+    /// Offset in bytes from the start of the file.
     Byte(usize),
 }
 
@@ -24,57 +24,57 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a file could not be read.
+/// Error of reading a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The extension names no format that can be read.
+    /// The extension is not a readable format.
     #[error("{}: the extension is none of .obj, .ply, .stl, .off, .glb, .gltf", path.display())]
     UnknownFormat {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// Something does not follow the format.
+    /// The content violates the format.
     #[error("{place}: {what}")]
     Syntax {
-        /// Where.
+        /// Place of the violation.
         place: Place,
-        /// What is wrong there.
+        /// Description of the violation.
         what: String,
     },
-    /// Something in a structured file (a glTF document) does not follow the format; named by its index.
+    /// An element of a structured file (a glTF document) violates the format; the message names it by index.
     #[error("{what}")]
     Invalid {
-        /// What is wrong with which element.
+        /// Element and its violation.
         what: String,
     },
-    /// The file ends before what it declares.
+    /// The file ends before all declared content.
     #[error("truncated: {what}")]
     Truncated {
-        /// What was expected and what is there.
+        /// Content expected and content present.
         what: String,
     },
-    /// The file describes more than can or should be held.
+    /// The file declares more than a limit allows.
     #[error("too large: {what}")]
     TooLarge {
-        /// What is too large.
+        /// Part that is too large.
         what: String,
     },
-    /// A part of the format that is not supported.
+    /// The file uses an unsupported part of the format.
     #[error("not supported: {what}")]
     Unsupported {
-        /// Which part.
+        /// Unsupported part.
         what: String,
     },
-    /// The file was read, but what it holds is not a legal mesh.
+    /// The file was read, but does not hold a valid mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
@@ -105,30 +105,30 @@ impl ReadError {
     }
 }
 
-/// Why a file could not be written. Whatever the reason, a file that was there before is untouched.
+/// Error of writing a file. An existing file is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The extension names no format that can be written.
+    /// The extension is not a writable format.
     #[error("{}: the extension is none of .obj, .ply, .stl, .off, .glb, .gltf", path.display())]
     UnknownFormat {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// The format cannot hold the mesh.
     #[error("{format} cannot hold {what}")]
     Unsupported {
-        /// The format's name.
+        /// Name of the format.
         format: &'static str,
-        /// What it cannot hold.
+        /// Part of the mesh that the format cannot hold.
         what: String,
     },
 }

@@ -8,17 +8,17 @@
 //! | file | idea |
 //! |---|---|
 //! | `mod.rs` | [`read`] and [`write`](write()) by extension |
-//! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | one format each, what it keeps and what reads it at its head |
-//! | `draft.rs` | what readers fill: a mesh before rounding |
+//! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | a format each; its head tells what is kept and how it is parsed |
+//! | `draft.rs` | output of readers: a mesh before rounding |
 //! | `text.rs` | lines, words and numbers |
 //! | `polygon.rs` | polygons to triangles |
-//! | `atomic.rs` | [`atomic`]: files that are whole or not there |
+//! | `atomic.rs` | [`atomic`]: atomic writes of files |
 //! | `baked.rs` | [`bake`] and [`unbake`]: any structure in a checked container |
-//! | `model.rs` | [`read_model`]: a baked model of whatever structure; [`Baked::read`](crate::Baked::read) where one knows |
-//! | `error.rs` | what can be wrong |
+//! | `model.rs` | [`read_model`]: a baked model of any structure; for a known structure: [`Baked::read`](crate::Baked::read) |
+//! | `error.rs` | errors of reading and writing |
 //!
-//! No file makes a reader panic, run for long, or reserve more than a multiple of its own size: every count is compared
-//! with the bytes that are there.
+//! No file makes a reader panic, run for long, or reserve more than a multiple of the file's size: every declared count
+//! is checked against the bytes present.
 
 pub mod atomic;
 mod baked;
@@ -52,10 +52,11 @@ use crate::mesh::Mesh;
 /// | OFF | exact | exact | `color`, `uv`, `normal` | none |
 /// | glTF | exact | exact, grouped by material | all up to width 4 | ids and names |
 ///
-/// This is what is written, and what comes back when it is read. Locks are only kept by the baked container.
+/// The table lists the data written, and restored on reading. Files leave out the attribute `vertex`. Only the baked
+/// container keeps locks.
 ///
-/// Positions are written where they lie in the world: with the mesh's [`origin`](Mesh::origin) added in double precision.
-/// Where there is one, text has as many digits as that takes, PLY has doubles, STL is text, and glTF moves its node.
+/// Positions are written in world coordinates: the mesh's [`origin`](Mesh::origin) is added in double precision. If the
+/// origin is not zero, text has the digits needed, PLY has doubles, STL is text, and glTF moves its node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
@@ -63,18 +64,18 @@ pub enum Format {
     Obj,
     /// Stanford polygon format, `.ply`; read as text and binary, written as little-endian binary.
     Ply,
-    /// Stereolithography, `.stl`; read as text and binary, written as binary, or as text where there is an origin.
+    /// Stereolithography, `.stl`; read as text and binary, written as binary, or as text if the origin is not zero.
     Stl,
     /// Object file format, `.off`; read as text and binary, written as text.
     Off,
-    /// glTF 2.0 in one file, `.glb`.
+    /// glTF 2.0 in a single file, `.glb`.
     Glb,
-    /// glTF 2.0 as JSON, `.gltf`; written with its buffer inside.
+    /// glTF 2.0 as JSON, `.gltf`; written with an embedded buffer.
     Gltf,
 }
 
 impl Format {
-    /// The format that a path's extension names, in any case.
+    /// Returns the format of a path's extension, ignoring case.
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let extension = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
         Some(match extension.as_str() {
@@ -88,7 +89,7 @@ impl Format {
         })
     }
 
-    /// The customary extension, without a dot.
+    /// Returns the customary extension, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Obj => "obj",
@@ -107,33 +108,33 @@ impl fmt::Display for Format {
     }
 }
 
-/// Where the origin of a mesh is put while its coordinates are still in double precision.
+/// Origin of a mesh being read, chosen while its coordinates are in double precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub enum SceneOrigin {
-    /// Coordinates stay as the file has them, unless single precision would round them by more than 1e-6 of the diagonal:
-    /// then a point near the middle.
+    /// Keeps the file's coordinates, unless single precision would round them by more than 1e-6 of the diagonal: then a
+    /// point near the middle.
     #[default]
     Automatic,
-    /// Coordinates stay as the file has them.
+    /// Keeps the file's coordinates.
     Keep,
-    /// The middle of the box around all vertices that a triangle uses.
+    /// The middle of the box around all vertices used by triangles.
     Center,
     /// A point in the file's coordinates.
     At([f64; 3]),
 }
 
-/// How to read a file.
+/// Options for reading a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ReadOptions {
-    /// Where to put the origin; by default it is moved only where it must be. Single precision has 24 bits, so a mesh of
-    /// centimetres in map coordinates of kilometres keeps its shape only when its origin is moved.
+    /// Origin of the mesh; by default moved only if needed. Single precision has 24 bits: a mesh with details of
+    /// centimetres in map coordinates of kilometres keeps its shape only if its origin is moved.
     pub origin: SceneOrigin,
 }
 
 impl ReadOptions {
-    /// Puts the origin elsewhere.
+    /// Sets the choice of the origin.
     #[must_use]
     pub fn with_origin(mut self, origin: SceneOrigin) -> Self {
         self.origin = origin;
@@ -141,30 +142,30 @@ impl ReadOptions {
     }
 }
 
-/// A mesh as it was read, and what there is to know about it.
+/// A mesh read from a file, with notes about the reading.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Imported {
     /// The mesh.
     pub mesh: Mesh,
-    /// What was subtracted from the file's coordinates, as [`Mesh::origin`] says too. Writers add it again.
+    /// Offset subtracted from the file's coordinates, equal to [`Mesh::origin`]. Writers add it again.
     pub origin: [f64; 3],
-    /// What a reader left out or took for granted, one line each; empty for a clean file.
+    /// Content skipped or assumed by the reader, a line each; empty for a clean file.
     pub notes: Vec<String>,
 }
 
-/// Reads a mesh; the extension names the format.
+/// Reads a mesh; the extension selects the format.
 ///
 /// # Errors
-/// See [`ReadError`]; every message is one line and names the place.
+/// See [`ReadError`]; every message is a single line naming the place.
 pub fn read(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
     Ok(read_with(path, &ReadOptions::default())?.mesh)
 }
 
-/// Reads a mesh with options, and tells what was done.
+/// Reads a mesh with options; returns notes about the reading.
 ///
 /// # Errors
-/// As [`read`].
+/// Errors of [`read`].
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Imported, ReadError> {
     let path = path.as_ref();
     let format = Format::from_path(path).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
@@ -172,18 +173,18 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Import
     parse(format, &bytes, path.parent(), options)
 }
 
-/// Reads a mesh from bytes. glTF documents must have their buffers inside.
+/// Reads a mesh from bytes. glTF documents must have their buffers embedded.
 ///
 /// # Errors
-/// As [`read`].
+/// Errors of [`read`].
 pub fn read_bytes(format: Format, bytes: &[u8]) -> Result<Mesh, ReadError> {
     Ok(read_bytes_with(format, bytes, &ReadOptions::default())?.mesh)
 }
 
-/// Reads a mesh from bytes with options, and tells what was done.
+/// Reads a mesh from bytes with options; returns notes about the reading.
 ///
 /// # Errors
-/// As [`read`].
+/// Errors of [`read`].
 pub fn read_bytes_with(format: Format, bytes: &[u8], options: &ReadOptions) -> Result<Imported, ReadError> {
     parse(format, bytes, None, options)
 }
@@ -204,8 +205,8 @@ fn parse(
     draft.finish(options)
 }
 
-/// Writes a mesh; the extension names the format. What the format keeps is told at [`Format`]. The file is written whole
-/// or not at all ([`atomic::write`]).
+/// Writes a mesh; the extension selects the format. [`Format`] lists the data kept by each format. The write is atomic
+/// ([`atomic::write`]).
 ///
 /// # Errors
 /// See [`WriteError`].
@@ -217,10 +218,10 @@ pub fn write(path: impl AsRef<Path>, mesh: &Mesh) -> Result<(), WriteError> {
     atomic::write(path, &bytes).map_err(|source| WriteError::Io { path: path.to_owned(), source })
 }
 
-/// A mesh as the bytes of a file.
+/// Encodes a mesh as the bytes of a file.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] where the format cannot hold the mesh.
+/// [`WriteError::Unsupported`] if the format cannot hold the mesh.
 pub fn write_bytes(format: Format, mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     match format {
         Format::Obj => Ok(obj::write(mesh)),

@@ -1,4 +1,4 @@
-//! Baked models to and from bytes and files, of a structure that one knows or of whatever is in the file.
+//! Baked models to and from bytes and files, with the structure known at compile time or read from the file.
 
 use std::path::Path;
 
@@ -12,26 +12,26 @@ use crate::tom::TotallyOrderedMesh;
 use crate::wavelet::WaveletMesh;
 
 impl<S: Structure + Serialize + DeserializeOwned> Baked<S> {
-    /// The model in the baked container. The same model gives the same bytes.
+    /// Encodes the model in the baked container. Equal models give equal bytes.
     ///
     /// # Errors
-    /// The model refuses to be serialised, which none of this crate does.
+    /// Serialising the model fails; never for structures of this crate.
     pub fn to_bytes(&self) -> Result<Vec<u8>, BakeError> {
         bake(S::KIND, self)
     }
 
-    /// The model that [`Baked::to_bytes`] made bytes from.
+    /// Decodes a model from the bytes of [`Baked::to_bytes`].
     ///
     /// # Errors
-    /// See [`BakeError`]; also where the bytes hold another structure.
+    /// See [`BakeError`]; [`BakeError::OtherKind`] if the bytes hold another structure.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
         unbake(S::KIND, bytes)
     }
 
-    /// Writes the model to a file, whole or not at all.
+    /// Writes the model to a file atomically.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of [`Baked::to_bytes`] and of the operating system.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BakeError> {
         write_baked(path, S::KIND, self)
     }
@@ -39,24 +39,24 @@ impl<S: Structure + Serialize + DeserializeOwned> Baked<S> {
     /// Reads a model from a file.
     ///
     /// # Errors
-    /// As [`Baked::from_bytes`], or what the system says.
+    /// Errors of [`Baked::from_bytes`] and of the operating system.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, BakeError> {
         Self::from_bytes(&read_bytes(path.as_ref())?)
     }
 }
 
-/// A model that can be written, whatever its structure.
+/// A model of any structure, writable to bytes and files.
 pub trait StoredModel<V: Vertex>: Model<V> {
-    /// [`Baked::to_bytes`].
+    /// Encodes the model: [`Baked::to_bytes`].
     ///
     /// # Errors
-    /// Those of [`Baked::to_bytes`].
+    /// Errors of [`Baked::to_bytes`].
     fn to_bytes(&self) -> Result<Vec<u8>, BakeError>;
 
-    /// [`Baked::write`].
+    /// Writes the model to a file: [`Baked::write`].
     ///
     /// # Errors
-    /// Those of [`Baked::write`].
+    /// Errors of [`Baked::write`].
     fn write(&self, path: &Path) -> Result<(), BakeError>;
 }
 
@@ -70,7 +70,7 @@ impl<S: Structure + Serialize + DeserializeOwned, V: Vertex> StoredModel<V> for 
     }
 }
 
-/// Makes a model of the kind that its bytes name: here, and nowhere else, are all structures listed.
+/// Decodes a model of the kind named in its bytes. The only list of all structures.
 macro_rules! unbake_any {
     ($kind:expr, $bytes:expr, $($structure:ty),+) => {
         match $kind.as_str() {
@@ -83,19 +83,19 @@ macro_rules! unbake_any {
     };
 }
 
-/// A baked model of whatever structure, drawn with vertices of type `V`.
+/// Decodes a baked model of any structure, drawn with vertices of type `V`.
 ///
 /// # Errors
-/// As [`unbake`]; also where the bytes hold none of this crate's structures.
+/// Errors of [`unbake`]; [`BakeError::OtherKind`] if the bytes hold no structure of this crate.
 pub fn unbake_model<V: Vertex>(bytes: &[u8]) -> Result<Box<dyn StoredModel<V>>, BakeError> {
     let kind = baked_kind(bytes)?;
     Ok(unbake_any!(kind, bytes, VertexHierarchy, TotallyOrderedMesh, WaveletMesh))
 }
 
-/// The same from a file.
+/// Reads a baked model of any structure from a file, drawn with vertices of type `V`.
 ///
 /// # Errors
-/// As [`unbake_model`], or what the system says.
+/// Errors of [`unbake_model`] and of the operating system.
 pub fn read_model<V: Vertex>(path: impl AsRef<Path>) -> Result<Box<dyn StoredModel<V>>, BakeError> {
     unbake_model(&read_bytes(path.as_ref())?)
 }

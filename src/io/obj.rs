@@ -1,16 +1,15 @@
 //! Wavefront OBJ: text, with separate indices for positions, texture coordinates and normals.
 //!
-//! Read: `v` (with `r g b [a]` after it), `vt`, `vn`, `f` with any corners in any mixed form, `usemtl` as material ids;
-//! every other statement is passed over, and no .mtl file is opened. Distinct triples (v, vt, vn) become vertices,
-//! ordered by v and then by first use, so a file whose positions each have one triple keeps its numbering; positions
-//! that no face uses are kept. A `vt` or `vn` index that names nothing counts as not given and is noted; a `v` index
-//! that names nothing is an error.
+//! Read: `v` (with optional `r g b [a]`), `vt`, `vn`, `f` with corners of any form, `usemtl` as material ids. Other
+//! statements are skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
+//! by first use. So a file with a single triple per position keeps its numbering. Positions used by no face are kept.
+//! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error.
 //!
-//! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`; other attributes and locks are left out. Material ids
-//! beyond the names are called `material_ID`, and come back numbered by appearance.
+//! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`. Other attributes and locks are not written.
+//! Material ids without a name are called `material_ID`, and are renumbered by appearance on reading.
 //!
-//! The parser is our own: `tobj` numbers vertices anew in every group, drops unused ones and invents texture indices
-//! for corners that have none (`docs/architecture.md`, Readers).
+//! The parser is our own: `tobj` renumbers vertices in every group, drops unused vertices and invents texture indices
+//! for corners without any (`docs/architecture.md`, Readers).
 
 use std::collections::BTreeMap;
 
@@ -24,35 +23,35 @@ use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 /// A corner: indices of v, vt and vn.
 type Corner = [u32; 3];
 
-/// What the statements say, before corners are vertices.
+/// Content of the statements, before corners become vertices.
 #[derive(Default)]
 struct Statements {
     positions: Vec<[f64; 3]>,
-    /// Four a position, from the first coloured one on.
+    /// Four values a position, for positions up to the last coloured position; empty without colours.
     colors: Vec<[f32; 4]>,
     color_width: usize,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Vec<Corner>,
-    /// Corners of each face.
+    /// Number of corners of each face.
     sizes: Vec<u32>,
-    /// Material of each face; empty until there is a `usemtl`.
+    /// Material of each face; empty before the first `usemtl`.
     face_materials: Vec<u32>,
     material_names: Vec<String>,
     material_ids: BTreeMap<String, u32>,
-    /// The largest index of each kind and its line: a face may come before what it names.
+    /// Largest index of each kind and its line: a face may precede the elements it names.
     largest: [(u32, usize); 3],
     small_faces: Tally,
     bad_attributes: Tally,
 }
 
-/// Reads a whole file. O(n) in its size, but for corners of one position with very many triples: O(n log n).
+/// Reads a whole file. O(n) in its size; O(n log n) if a position has very many triples.
 pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     let mut statements = parse(bytes)?;
     let count = statements.positions.len();
     if let Some(vertex) = statements.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        // Said here, because splitting below may renumber. What is too large for single precision is seen later: moving
-        // the origin may mend it.
+        // Reported here, because splitting below may renumber. Positions too large for single precision are checked
+        // later: moving the origin may help.
         let position = statements.positions[vertex].map(|x| x as f32);
         return Err(MeshError::NonFinitePosition { vertex, position }.into());
     }
@@ -119,13 +118,13 @@ fn parse(bytes: &[u8]) -> Result<Statements, ReadError> {
     }
 }
 
-/// The name that a statement gives: the rest of its line, blanks inside included.
+/// Returns the name in a statement: the rest of its line, including inner blanks.
 fn name_after(line: &[u8], keyword: &[u8]) -> String {
     let line = line.trim_ascii();
     String::from_utf8_lossy(line.get(keyword.len()..).unwrap_or_default().trim_ascii()).into_owned()
 }
 
-/// Up to N numbers, of which the first `needed` must be there; the rest are 0, further words are not looked at.
+/// Parses up to N numbers. The first `needed` are required, missing ones are 0, further words are ignored.
 fn floats<'a, const N: usize>(
     mut rest: impl Iterator<Item = &'a [u8]>,
     needed: usize,
@@ -153,7 +152,7 @@ fn real(word: &[u8], line: usize) -> Result<f64, ReadError> {
 }
 
 impl Statements {
-    /// `x y z [w]`, `x y z r g b` or `x y z r g b a`.
+    /// Parses `x y z [w]`, `x y z r g b` or `x y z r g b a`.
     fn vertex<'a>(&mut self, mut rest: impl Iterator<Item = &'a [u8]>, line: usize) -> Result<(), ReadError> {
         let position = floats(&mut rest, 3, line, "v")?;
         let mut extra = [0.0; 4];
@@ -223,7 +222,7 @@ impl Statements {
         }
         self.sizes.push(size as u32);
         if !self.material_names.is_empty() {
-            // Faces above the first `usemtl` have a material without a name.
+            // Faces before the first `usemtl` have an unnamed material.
             if self.face_materials.len() + 1 < self.sizes.len() {
                 let unnamed = self.material(String::new());
                 self.face_materials.resize(self.sizes.len() - 1, unnamed);
@@ -233,7 +232,7 @@ impl Statements {
         Ok(())
     }
 
-    /// The id of a name, in order of first appearance.
+    /// Returns the id of a name, in order of first appearance.
     fn material(&mut self, name: String) -> u32 {
         *self.material_ids.entry(name).or_insert_with_key(|name| {
             self.material_names.push(name.clone());
@@ -242,7 +241,8 @@ impl Statements {
     }
 }
 
-/// An index from 1 on, or from the end of what is there so far if negative, as one from 0 on.
+/// Converts an OBJ index to an index from 0: positive indices count from 1, negative ones from the end of the current
+/// list. `None` if it is invalid.
 fn resolve(given: i64, count: usize) -> Option<u32> {
     let index = if given < 0 { given.checked_add(count as i64)? } else { given - 1 };
     u32::try_from(index).ok().filter(|&i| given != 0 && i != NONE)
@@ -289,8 +289,8 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     draft
 }
 
-/// The distinct triples in order of position and then of first use, and the number of each corner's triple. Positions
-/// without corners have one vertex.
+/// Returns the distinct triples in order of position and then of first use, and the index of each corner's triple.
+/// Positions without corners get a single vertex.
 fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u32>) {
     let mut start = vec![0_u32; positions + 1];
     for corner in corners {
@@ -325,7 +325,7 @@ fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u3
                 }
             }
         } else {
-            // Sorting puts equal triples side by side, the first used in front; the rest take its number.
+            // Sorting places equal triples side by side, first used in front; the other corners take its number.
             sorted.clear();
             sorted.extend_from_slice(here);
             sorted.sort_unstable_by_key(|&c| (corners[c as usize], c));
@@ -345,7 +345,7 @@ fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u3
     (vertices, numbers)
 }
 
-/// The values that the vertices name in slot `slot` of their triple; none if no corner names one.
+/// Returns the attribute named by slot `slot` of the vertices' triples; `None` if no corner has an index there.
 fn stream<const N: usize>(
     name: &str,
     values: &[[f32; N]],
@@ -357,7 +357,7 @@ fn stream<const N: usize>(
     if corners.iter().all(|c| c[slot] == NONE) {
         return None;
     }
-    // Where values are numbered as positions are, unused positions have theirs too.
+    // If values are numbered like positions, unused positions keep their values too.
     let alike = values.len() == positions && corners.iter().all(|c| c[slot] == c[0]);
     let value = |c: &Corner| {
         let index = if alike { c[0] } else { c[slot] };
@@ -375,7 +375,7 @@ fn color(colors: &[[f32; 4]], width: usize, of: impl Iterator<Item = u32>) -> Op
     Some(Attribute::new(names::COLOR, width, AttributeValues::Float(of.flat_map(value).collect())))
 }
 
-/// The file as bytes; numbers read back to the same bits.
+/// Encodes a mesh; numbers read back to equal bits.
 pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
     let floats = |name, widths: &[usize]| {
         let attribute = mesh.attribute(name).filter(|a| widths.contains(&a.width()))?;
@@ -402,7 +402,7 @@ pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
             values.chunks_exact(width).for_each(|value| line(keyword, value, &mut out));
         }
     }
-    // Names first, in order, so that reading gives the same ids.
+    // Names first, in order: reading restores the ids.
     if !mesh.materials().is_empty() {
         for id in 0..mesh.material_names().len() {
             out.extend_from_slice(format!("usemtl {}\n", material_name(mesh, id as u32)).as_bytes());
@@ -431,7 +431,7 @@ pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
     out
 }
 
-/// A name that fits a line, made up where there is none.
+/// Returns a material name safe for a line; `material_ID` without a name.
 fn material_name(mesh: &Mesh, id: u32) -> String {
     match mesh.material_names().get(id as usize) {
         Some(name) => name.replace(['\n', '\r', '\\'], " "),

@@ -1,10 +1,10 @@
 //! OFF, the object file format of Geomview: text or binary, with vertex normals, colours and texture coordinates.
 //!
-//! The first word is `[ST][C][N]OFF` and may be missing; each vertex then has `x y z [nx ny nz] [r g b [a]] [s t]`.
-//! Colours that are written as whole numbers throughout are 255ths. Colours of faces are passed over; 4OFF and nOFF
-//! (other dimensions) are refused. Comments start with `#`. Binary files (`OFF BINARY`) are big-endian.
+//! The first word is `[ST][C][N]OFF` and may be missing. Each vertex has `x y z [nx ny nz] [r g b [a]] [s t]`. Colours
+//! are divided by 255 if all components are integers. Colours of faces are skipped. 4OFF and nOFF (other dimensions)
+//! are rejected. Comments start with `#`. Binary files (`OFF BINARY`) are big-endian.
 //!
-//! Written as text, which reads back to the same bits: `normal`, `color` and `uv` with the vertices, no other attribute, no
+//! Written as text, read back to equal bits: `normal`, `color` and `uv` with the vertices; no other attributes, no
 //! materials.
 //!
 //! The parser is our own: `off-rs` reads neither binary files nor normals and texture coordinates.
@@ -15,7 +15,7 @@ use super::polygon::Polygons;
 use super::text::{Lines, integer, number, push_float, push_position, quoted, words};
 use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
-/// What the first word says each vertex has.
+/// Data of each vertex, as declared by the first word.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Layout {
     uv: bool,
@@ -24,7 +24,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// `[ST][C][N]OFF`; none for any other word.
+    /// Parses `[ST][C][N]OFF`; `None` for any other word.
     fn named(word: &[u8]) -> Option<Result<Self, ReadError>> {
         let mut rest = word.strip_suffix(b"OFF")?;
         let mut layout = Self::default();
@@ -42,7 +42,7 @@ impl Layout {
     }
 }
 
-/// Values of the vertices' attributes, flat.
+/// Attribute values of the vertices, flat.
 #[derive(Default)]
 struct Streams {
     normals: Vec<f32>,
@@ -66,13 +66,13 @@ impl Streams {
     }
 }
 
-/// Reads a whole file. O(n) in its size; counts are compared with the bytes there are.
+/// Reads a whole file. O(n) in its size; counts are checked against the bytes present.
 pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     let mut lines = Lines::new(bytes);
     let mut header: Vec<&[u8]> = Vec::new();
     let (mut layout, mut counts, mut line_number) = (Layout::default(), [0_i64; 3], 0);
     let mut named = false;
-    // The three counts may share a line with the first word, or not.
+    // The three counts may share a line with the first word.
     while header.len() < 2 {
         let Some((line, content)) = lines.next() else {
             return Err(ReadError::truncated("the OFF header has no counts"));
@@ -97,7 +97,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
         })?;
     }
     let [vertices, faces, _] = counts;
-    // A vertex takes six bytes at least ("0 0 0\n"), a face two.
+    // A vertex takes at least 6 bytes ("0 0 0\n"), a face 2.
     let needed = vertices.saturating_mul(6).saturating_add(faces.saturating_mul(2));
     if needed > lines.left() as i64 + 1 {
         let left = lines.left();
@@ -106,7 +106,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     read_text(lines, vertices as usize, faces as usize, layout, bytes.len())
 }
 
-/// A line up to any `#`.
+/// Returns a line up to any `#`.
 fn without_hash(line: &[u8]) -> &[u8] {
     line.split(|&b| b == b'#').next().unwrap_or_default()
 }
@@ -135,7 +135,7 @@ fn read_text(
         for (i, word) in words(content).take(12).enumerate() {
             let fail = || ReadError::line(line, format!("{} is not a number", quoted(word)));
             values[i] = number(word).ok_or_else(fail)?;
-            // Whole numbers are 255ths only if all are: "1 0.5 0" has a whole number too.
+            // Integers are divided by 255 only if all are integers: "1 0.5 0" has integers too.
             let in_color = layout.color && i >= start && i < start + 4;
             whole_colors &= !in_color || integer(word).is_some();
             count += 1;
@@ -205,7 +205,7 @@ impl Binary<'_> {
         Ok(f32::from_be_bytes(self.word()?))
     }
 
-    /// A count of things that take `least` bytes each.
+    /// Reads a count of items of at least `least` bytes each.
     fn count(&mut self, least: usize, what: &str) -> Result<usize, ReadError> {
         let count = i32::from_be_bytes(self.word()?);
         let left = self.bytes.len().saturating_sub(self.at);
@@ -265,7 +265,7 @@ fn read_binary(bytes: &[u8], at: usize, layout: Layout) -> Result<Draft, ReadErr
     Ok(draft)
 }
 
-/// The file as bytes.
+/// Encodes a mesh as text.
 pub(super) fn write(mesh: &Mesh) -> Vec<u8> {
     let floats = |name, widths: &[usize]| {
         let attribute = mesh.attribute(name).filter(|a| widths.contains(&a.width()))?;

@@ -1,25 +1,25 @@
-//! Polygons to triangles: a fan where every corner is strictly convex, ear clipping where not.
+//! Polygons to triangles: a fan if every corner is strictly convex, ear clipping otherwise.
 //!
-//! A fan over a concave corner makes a triangle that faces the wrong way, and one over a straight corner a triangle
-//! without area; ear clipping makes neither as long as the polygon does not cross itself. Corners keep their order, and
-//! n corners always give n - 2 triangles.
+//! A fan over a concave corner makes a flipped triangle; over a straight corner, a triangle without area. Ear clipping
+//! makes neither if the polygon does not cross itself. Corners keep their order, and n corners always give n - 2
+//! triangles.
 //!
-//! Ear clipping is quadratic in the corners and worse on hostile ones, so each file has a budget of point tests; a
-//! polygon that runs out is fanned and counted. Source: Meisters, Polygons have ears, 1975.
+//! Ear clipping is quadratic in the corners, and slower on hostile polygons. So each file has a budget of point tests;
+//! a polygon exceeding it is fanned and counted. Source: Meisters, Polygons have ears, 1975.
 
 use super::draft::{Draft, Tally};
 
-/// Adds the faces of an indexed file to a draft, one at a time.
+/// Adds the faces of an indexed file to a draft, in sequence.
 pub(super) struct Polygons {
     triangulator: Triangulator,
-    /// The vertices of the face at hand; they must exist.
+    /// Vertices of the current face; they must exist.
     pub corners: Vec<u32>,
     points: Vec<[f64; 3]>,
     small: Tally,
 }
 
 impl Polygons {
-    /// For a file of so many bytes.
+    /// Prepares for a file of `file_size` bytes.
     pub fn new(file_size: usize) -> Self {
         let (corners, points) = (Vec::new(), Vec::new());
         Self { triangulator: Triangulator::new(file_size), corners, points, small: Tally::default() }
@@ -39,14 +39,14 @@ impl Polygons {
         }
     }
 
-    /// Tells what could not be done.
+    /// Adds notes about faces left out or fanned.
     pub fn note(&self, notes: &mut Vec<String>) {
         self.small.note("faces with fewer than 3 corners left out", "face", notes);
         self.triangulator.note(notes);
     }
 }
 
-/// Splits polygons, with scratch space that is kept between them.
+/// Splits polygons, reusing scratch memory.
 pub(super) struct Triangulator {
     budget: u64,
     fanned: usize,
@@ -56,20 +56,21 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// For a file of so many bytes.
+    /// Prepares for a file of `file_size` bytes.
     pub fn new(file_size: usize) -> Self {
         let budget = (1 << 28) + 64 * file_size as u64;
         Self { budget, fanned: 0, flat: Vec::new(), next: Vec::new(), previous: Vec::new() }
     }
 
-    /// Concave polygons that were fanned because the budget was spent.
+    /// Adds a note with the number of concave polygons fanned because the budget was spent.
     pub fn note(&self, notes: &mut Vec<String>) {
         if self.fanned > 0 {
             notes.push(format!("{} concave polygons are too large to clip and were fanned", self.fanned));
         }
     }
 
-    /// Calls `emit` with the corners of each triangle, as indices into `points`. Fewer than three points: none.
+    /// Calls `emit` with the corners of each triangle, as indices into `points`. Fewer than three points give no
+    /// triangles.
     pub fn split(&mut self, points: &[[f64; 3]], mut emit: impl FnMut([u32; 3])) {
         let count = points.len() as u32;
         if count == 3 || self.is_strictly_convex(points) {
@@ -79,7 +80,8 @@ impl Triangulator {
         }
     }
 
-    /// Projects along the dominant axis of the polygon's normal (Newell's sum) and looks at every corner.
+    /// Projects along the dominant axis of the polygon's normal (Newell's sum) and tests if every corner is strictly
+    /// convex.
     fn is_strictly_convex(&mut self, points: &[[f64; 3]]) -> bool {
         let Some(&origin) = points.first() else { return true };
         let relative = |i: usize| {
@@ -108,14 +110,14 @@ impl Triangulator {
         (0..count).all(|i| self.turns_left((i + count - 1) % count, i, (i + 1) % count))
     }
 
-    /// Twice the area of the triangle a, b, c, and the size of its terms.
+    /// Returns twice the area of the triangle a, b, c, and the magnitude of its terms.
     fn area(&self, a: u32, b: u32, c: u32) -> (f64, f64) {
         let [a, b, c] = [a, b, c].map(|i| self.flat[i as usize]);
         let (first, second) = ((b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0]));
         (first - second, first.abs() + second.abs())
     }
 
-    /// Whether the corner b is convex by more than rounding.
+    /// Tests if the corner b is convex by more than rounding.
     fn turns_left(&self, a: u32, b: u32, c: u32) -> bool {
         let (area, terms) = self.area(a, b, c);
         area > 1e-12 * terms
@@ -131,7 +133,7 @@ impl Triangulator {
         let mut out_of_budget = false;
         while left > 3 {
             let (before, after) = (self.previous[at as usize], self.next[at as usize]);
-            // When no corner is an ear the polygon crosses itself: take any, so that the loop ends.
+            // If no corner is an ear, the polygon crosses itself: take any, so the loop ends.
             let take = refused >= left || out_of_budget || self.is_ear(before, at, after, left);
             if take {
                 emit([before, at, after]);
@@ -139,7 +141,7 @@ impl Triangulator {
                 self.previous[after as usize] = before;
                 left -= 1;
                 refused = 0;
-                // Going on two corners further spreads the triangles; staying makes a fan.
+                // Advancing two corners spreads the triangles; staying makes a fan.
                 at = if out_of_budget { after } else { self.next[after as usize] };
             } else {
                 refused += 1;
@@ -153,7 +155,8 @@ impl Triangulator {
         emit([self.previous[at as usize], at, self.next[at as usize]]);
     }
 
-    /// Convex, and no other corner in the triangle or on its border (corners at the same place as its own aside).
+    /// Tests if b is an ear: convex, with no other corner in the triangle or on its border (except corners at the
+    /// position of a, b or c).
     fn is_ear(&mut self, a: u32, b: u32, c: u32, left: u32) -> bool {
         self.budget = self.budget.saturating_sub(u64::from(left));
         if !self.turns_left(a, b, c) {

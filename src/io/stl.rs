@@ -1,11 +1,12 @@
 //! STL: triangles without indices, binary or text.
 //!
-//! Vertices at exactly equal positions (after rounding to single precision, with -0 equal to 0) become one, numbered by
-//! first appearance. Face normals, attribute bytes and solids' names are not kept. A file is binary when its size is what
-//! its count says, whatever its header starts with; text when it starts with `solid` and speaks of facets.
+//! Vertices at exactly equal positions (after rounding to single precision, with -0 equal to 0) are welded, numbered by
+//! first appearance. Face normals, attribute bytes and solids' names are not kept. A file is binary if its size matches
+//! its count, for any start of its header. Otherwise it is text if it starts with `solid` and contains `facet` or
+//! `endsolid`, else binary.
 //!
-//! The parser is our own: `stl_io` reads the first solid of a text only, in single precision, and refuses unnamed solids,
-//! normals of NaN and facets of more than three corners (`docs/architecture.md`, Readers).
+//! The parser is our own: `stl_io` reads only the first solid of a text, in single precision, and rejects unnamed
+//! solids, normals of NaN and facets of more than three corners (`docs/architecture.md`, Readers).
 
 use super::draft::Draft;
 use super::error::{ReadError, WriteError};
@@ -13,9 +14,9 @@ use super::polygon::Triangulator;
 use super::text::{Words, number, push_position, quoted, without_mark};
 use crate::mesh::Mesh;
 
-/// Bytes before the first triangle of a binary file: a free header and the count.
+/// Bytes before the first triangle of a binary file: a free-form header and the count.
 const START: usize = 84;
-/// Bytes of a triangle: normal, three corners, and two bytes without a set meaning.
+/// Bytes of a triangle: normal, three corners, and two bytes without a defined meaning.
 const FACET: usize = 50;
 
 /// Reads a whole file. O(n) in its size.
@@ -29,7 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     }
 }
 
-/// Starts as a text does, and has a keyword of one.
+/// Tests if the bytes start with `solid` and contain the keyword `facet` or `endsolid`.
 fn is_text(bytes: &[u8]) -> bool {
     let starts = |word: &[u8]| word.eq_ignore_ascii_case(b"solid");
     let speaks = |word: &[u8]| word.eq_ignore_ascii_case(b"facet") || word.eq_ignore_ascii_case(b"endsolid");
@@ -106,7 +107,8 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// The file as bytes, binary. Only positions and triangles are held; normals are computed, zero where there is no area.
+/// Encodes a mesh as binary, or as text if its origin is not zero. Writes positions and triangles only. Normals are
+/// computed; zero without an area.
 pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     if mesh.origin() != [0.0; 3] {
         return Ok(write_text(mesh));
@@ -128,7 +130,7 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     Ok(out)
 }
 
-/// Text holds what the single precision of the binary form does not.
+/// Encodes a mesh as text: holds positions with an origin, too large for the single precision of the binary form.
 fn write_text(mesh: &Mesh) -> Vec<u8> {
     let mut out = b"solid multires\n".to_vec();
     for triangle in mesh.triangles() {

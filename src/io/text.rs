@@ -1,20 +1,20 @@
-//! The lexical side of text formats: lines, words and numbers out of bytes that need not be UTF-8.
+//! Lexing of text formats: lines, words and numbers from bytes that need not be UTF-8.
 //!
-//! Everything borrows from the file; nothing allocates.
+//! All tokens borrow from the file; lexing does not allocate.
 
-/// The lines of a file with their numbers from 1; LF, CRLF and CR all end a line.
+/// Lines of a file with their numbers from 1; LF, CRLF and CR each end a line.
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     line: usize,
 }
 
 impl<'a> Lines<'a> {
-    /// Starts at the first line, after a byte-order mark if there is one.
+    /// Starts at the first line, skipping a byte-order mark.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: without_mark(bytes), line: 0 }
     }
 
-    /// Bytes after the line that came last.
+    /// Returns the number of bytes after the last line returned.
     pub fn left(&self) -> usize {
         self.rest.len()
     }
@@ -36,28 +36,28 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// The bytes after a UTF-8 byte-order mark.
+/// Returns the bytes after a UTF-8 byte-order mark, if present.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// The words of a line.
+/// Returns the words of a line.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|b| is_blank(*b)).filter(|word| !word.is_empty())
 }
 
-/// Spaces as C has them: vertical tab too.
+/// Tests for white space as in C, including vertical tab.
 pub(super) fn is_blank(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == 0x0b
 }
 
-/// A line up to its comment: `#` at the start or after a blank, so that names may hold one.
+/// Returns a line up to its comment: `#` at the start or after a blank. Names may contain `#`.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
     let starts = |&i: &usize| line[i] == b'#' && (i == 0 || is_blank(line[i - 1]));
     (0..line.len()).find(starts).map_or(line, |end| &line[..end])
 }
 
-/// The words of a whole file, across line ends, with the line each stands on.
+/// Words of a whole file, across line ends, with line numbers.
 #[derive(Clone)]
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
@@ -66,24 +66,24 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// `line` is the number of the first line in `bytes`.
+    /// Starts at the first word; `line` is the number of the first line in `bytes`.
     pub fn new(bytes: &'a [u8], line: usize) -> Self {
         Self { bytes, at: 0, line }
     }
 
-    /// Line of the word that came last.
+    /// Returns the line of the last word returned.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// Leaves out the rest of the line.
+    /// Skips the rest of the line.
     pub fn skip_line(&mut self) {
         while self.bytes.get(self.at).is_some_and(|&b| b != b'\n' && b != b'\r') {
             self.at += 1;
         }
     }
 
-    /// Bytes not yet read.
+    /// Returns the number of bytes not yet read.
     pub fn left(&self) -> usize {
         self.bytes.len() - self.at
     }
@@ -109,24 +109,24 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// A decimal number; `nan` and `inf` are numbers here, to be refused by what they stand for.
+/// Parses a decimal number. `nan` and `inf` are accepted here; the caller rejects them where needed.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A whole number that fits 64 bits.
+/// Parses an integer of 64 bits.
 pub(super) fn integer(word: &[u8]) -> Option<i64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A word as it may stand in a one-line message: short and printable.
+/// Formats a word for a single-line message: short and printable.
 pub(super) fn quoted(word: &[u8]) -> String {
     let shown = String::from_utf8_lossy(&word[..word.len().min(40)]);
     format!("{shown:?}{}", if word.len() > 40 { "..." } else { "" })
 }
 
-/// Appends a position, numbers apart: as [`push_float`] does, or moved by an origin, then as the shortest decimal form that
-/// reads back to the same sum in double precision.
+/// Appends a position, numbers separated by blanks. Without an origin, formats like [`push_float`]. With an origin,
+/// appends the shortest decimal form that reads back to the sum in double precision.
 pub(super) fn push_position(position: [f32; 3], origin: [f64; 3], out: &mut Vec<u8>) {
     use std::io::Write;
     for axis in 0..3 {
@@ -142,7 +142,7 @@ pub(super) fn push_position(position: [f32; 3], origin: [f64; 3], out: &mut Vec<
     }
 }
 
-/// Appends the shortest decimal form of `x` that reads back to the same bits, also by way of double precision.
+/// Appends the shortest decimal form of `x` that reads back to equal bits, also by way of double precision.
 pub(super) fn push_float(x: f32, out: &mut Vec<u8>) {
     use std::io::Write;
     let start = out.len();

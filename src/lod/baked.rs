@@ -1,4 +1,4 @@
-//! A structure together with its vertices and where they come from: what is baked, loaded, and shared by instances.
+//! A structure with its vertices and their origins: baked, loaded, and shared by instances.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,18 +9,18 @@ use crate::simplify::CollapseSequence;
 
 use super::{Extracted, FromSequence, Level, LodError, LodOptions, Origins, Structure, Values, Vertex};
 
-/// A structure, its vertices (positions, attributes, locks, names of materials) in its own order, and their origins. Immutable;
-/// clones share everything.
+/// A structure, its vertices (positions, attributes, locks, names of materials) in the structure's order, and their origins.
+/// Immutable; clones share everything.
 ///
 /// Made by [`Structure::bake`], by [`Baked::of_sequence`] and from files, which are checked ([`Baked::from_bytes`], serde).
-/// Duplicates and vertices that no triangle uses are left out, but for those of a base mesh that wavelets were built on.
+/// Duplicates and vertices used by no triangle are left out, except in a base mesh on which wavelets were built.
 pub struct Baked<S: Structure> {
     structure: Arc<S>,
     shared: Arc<Shared<S>>,
 }
 
 struct Shared<S: Structure> {
-    /// Empty where the structure keeps its vertices itself.
+    /// Empty if the structure holds its vertices itself.
     vertices: Mesh,
     origins: Origins,
     table: OnceLock<Result<S::Table, LodError>>,
@@ -48,10 +48,10 @@ impl<S: Structure + PartialEq> PartialEq for Baked<S> {
 }
 
 impl<S: FromSequence> Baked<S> {
-    /// The structure of a simplification that one has. O(n log n).
+    /// Builds the structure from an existing simplification of `mesh`. O(n log n).
     ///
     /// # Errors
-    /// The sequence belongs to another mesh, does not hold together, or is not one that the structure can be built from.
+    /// The sequence belongs to another mesh, does not hold together, or is of a kind the structure cannot be built from.
     pub fn of_sequence(
         mesh: &Mesh,
         sequence: &CollapseSequence,
@@ -62,48 +62,50 @@ impl<S: FromSequence> Baked<S> {
 }
 
 impl<S: Structure> Baked<S> {
-    /// Of a structure and its vertices, `None` where it keeps them itself.
+    /// Makes a model of a structure and its vertices, `None` if the structure holds them itself.
     pub(crate) fn new(structure: S, vertices: Option<Mesh>, origins: Origins) -> Self {
         let vertices = vertices.unwrap_or_default();
         let shared = Shared { vertices, origins, table: OnceLock::new() };
         Self { structure: Arc::new(structure), shared: Arc::new(shared) }
     }
 
-    /// The structure, shared with all instances.
+    /// Returns the structure, shared with all instances.
     pub fn structure(&self) -> &Arc<S> {
         &self.structure
     }
 
-    /// The vertices in the structure's order: positions, attributes, locks, and the names of materials. Has no triangles; those
-    /// are the structure's.
+    /// Returns the vertices in the structure's order: positions, attributes, locks, and the names of materials. Has no
+    /// triangles: the structure holds them.
     pub fn vertices(&self) -> &Mesh {
         self.structure.own_vertices().unwrap_or(&self.shared.vertices)
     }
 
-    /// Where they come from.
+    /// Returns the origins of the vertices.
     pub fn origins(&self) -> &Origins {
         &self.shared.origins
     }
 
-    /// Smallest and largest corner of the box around the full resolution; `None` without triangles. O(n).
+    /// Returns the smallest and largest corner of the box around the full resolution; `None` without triangles. O(n).
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         self.structure.extent(self.vertices())
     }
 
-    /// Values of the input's vertices, of any type, in the structure's order: what instances draw. O(n).
+    /// Puts values of the input's vertices, of any type, into the structure's order, to be drawn by instances. O(n).
     ///
     /// # Errors
-    /// As [`Origins::arrange`]: other than one value a vertex of the input; a structure with vertices that are none of the
-    /// input's, which take [`Baked::arrange_blended`]; values that differ where the mesh said that vertices are one.
+    /// As [`Origins::arrange`]: the number of values is not the number of input vertices; the structure has vertices not in the
+    /// input (call [`Baked::arrange_blended`] then); values differ at vertices that the mesh does not tell apart.
     pub fn arrange<V: Vertex>(&self, values: &[V]) -> Result<Values<V>, MeshError> {
         self.shared.origins.arrange(values).map(Values::from)
     }
 
-    /// The same where the structure has vertices that are none of the input's: their values are mixed, and `place` puts those
-    /// where the structure has them. Instances may mix the values too ([`Values::with_blending`]).
+    /// Puts values of the input's vertices into the structure's order, and mixes values for vertices not in the input. Calls
+    /// `place` with the structure's position for every vertex that lies elsewhere than in the input: mixed vertices, and
+    /// vertices moved to close a crack. Instances may mix the values too ([`Values::with_blending`]).
     ///
     /// # Errors
-    /// Other than one value a vertex of the input; values that differ where the mesh said that vertices are one.
+    /// The number of values is not the number of input vertices, or values differ at vertices that the mesh does not tell
+    /// apart.
     pub fn arrange_blended<V: Vertex + Blend>(
         &self,
         values: &[V],
@@ -113,15 +115,15 @@ impl<S: Structure> Baked<S> {
         Ok(Values::from(arranged).with_blending())
     }
 
-    /// Values made from the model's own vertices: `value` is told a number of [`Baked::vertices`]. O(n).
+    /// Makes values from the model's own vertices: calls `value` with each index into [`Baked::vertices`]. O(n).
     pub fn values<V: Vertex>(&self, value: impl FnMut(usize) -> V) -> Values<V> {
         Values::from((0..self.structure.vertex_count()).map(value).collect::<Vec<V>>())
     }
 
-    /// A drawn instance, at the coarsest level of detail.
+    /// Makes a drawn instance, at the coarsest level of detail.
     ///
     /// # Errors
-    /// There are not as many values as vertices, or they would have to be mixed and cannot be.
+    /// The number of values is not the number of vertices, or they would have to be mixed and cannot be.
     pub fn instance<V: Vertex>(
         &self,
         values: impl Into<Values<V>>,
@@ -135,25 +137,26 @@ impl<S: Structure> Baked<S> {
         S::instance(self, values, options)
     }
 
-    /// The finest level of detail of the whole model that does not exceed what is asked for, as a mesh of its own. O(n).
+    /// Returns a level of detail of the whole model as a mesh: the finest within a count, or the coarsest within an error.
+    /// O(n).
     pub fn level(&self, level: Level) -> Extracted {
         S::level(self, level)
     }
 
-    /// What instances share besides the structure, made by the first that asks.
+    /// Returns the data shared by instances besides the structure, made at the first call.
     ///
     /// # Errors
-    /// It would be too large.
+    /// The data would be too large.
     pub fn table(&self) -> Result<&S::Table, LodError> {
         self.shared.table.get_or_init(|| S::table(self)).as_ref().map_err(LodError::clone)
     }
 
-    /// Bytes of structure and vertices; origins and instances are not counted.
+    /// Returns the bytes of structure and vertices, without origins and instances.
     pub fn memory(&self) -> usize {
         self.vertices().memory() + self.structure.structure_memory()
     }
 
-    /// Bytes of the full resolution as a plain indexed mesh, to compare [`Baked::memory`] with.
+    /// Returns the bytes of the full resolution as a plain indexed mesh, to compare with [`Baked::memory`].
     pub fn plain_memory(&self) -> usize {
         let vertices = self.vertices();
         let attributes: usize = vertices.attributes().iter().map(|a| size_of::<f32>() * a.width()).sum();
@@ -164,7 +167,7 @@ impl<S: Structure> Baked<S> {
     }
 }
 
-/// What is written, in this order.
+/// The fields written, in this order.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize)]
 struct Written<'a, S> {
@@ -181,7 +184,7 @@ impl<S: Structure + serde::Serialize> serde::Serialize for Baked<S> {
     }
 }
 
-/// What comes out of a file, each valid by itself.
+/// The fields of a file, each valid by itself.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct Read<S> {

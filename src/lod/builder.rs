@@ -1,4 +1,5 @@
-//! From a mesh to a baked model in one call, with any metric and placement: simplify, build, put the vertices in order.
+//! From a mesh to a baked model in a single call, with any metric and placement: simplify, build, put the vertices in
+//! order.
 
 use std::ops::ControlFlow;
 
@@ -8,11 +9,11 @@ use crate::simplify::{Order, Placement, Simplifier};
 
 use super::{Baked, FromSequence};
 
-/// Share of a build's time that the simplification takes.
+/// Share of a build's time taken by the simplification.
 const SIMPLIFICATION: f32 = 0.8;
 
-/// How to simplify a mesh, and how to build a structure from that. Defaults: those of [`Simplifier`] (accumulated quadrics,
-/// endpoint placement, linear order, down to the base mesh) and of the structure's options.
+/// Simplifies a mesh and builds a structure from the result. Defaults: [`Simplifier`]'s (accumulated quadrics, endpoint
+/// placement, linear order, down to the base mesh) and the structure's options.
 ///
 /// ```
 /// use multires::hierarchy::{Dependencies, HierarchyBuilder};
@@ -38,58 +39,59 @@ impl<S: FromSequence> Default for Builder<S> {
 }
 
 impl<S: FromSequence> Builder<S> {
-    /// A builder with the defaults.
+    /// Makes a builder with the defaults.
     pub fn new() -> Self {
         Self { simplifier: Simplifier::new(), options: S::Options::default() }
     }
 }
 
 impl<S: FromSequence, M: ErrorMetric> Builder<S, M> {
-    /// What a collapse costs.
+    /// Sets the cost of a collapse.
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Builder<S, N> {
         Builder { simplifier: self.simplifier.metric(metric), options: self.options }
     }
 
-    /// Where the merged vertex goes.
+    /// Sets where the merged vertex goes.
     #[must_use]
     pub fn placement(mut self, placement: Placement) -> Self {
         self.simplifier = self.simplifier.placement(placement);
         self
     }
 
-    /// In which order collapses are done.
+    /// Sets the order of collapses.
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
         self.simplifier = self.simplifier.order(order);
         self
     }
 
-    /// Everything about the simplification at once: rules, targets, error measure too.
+    /// Sets everything about the simplification at once: rules, targets, error measure too.
     #[must_use]
     pub fn simplifier<N: ErrorMetric>(self, simplifier: Simplifier<N>) -> Builder<S, N> {
         Builder { simplifier, options: self.options }
     }
 
-    /// How the structure is built from the simplification.
+    /// Sets the options of building the structure.
     #[must_use]
     pub fn options(mut self, options: S::Options) -> Self {
         self.options = options;
         self
     }
 
-    /// Simplifies a mesh and bakes its structure. Cost: that of [`Simplifier::run`] and of [`Baked::of_sequence`].
+    /// Simplifies a mesh and bakes its structure. Cost: [`Simplifier::run`] plus [`Baked::of_sequence`].
     ///
     /// # Errors
-    /// An option outside its range, or what the structure refuses.
+    /// An option is outside its range, or the structure refuses the mesh.
     pub fn bake(&mut self, mesh: &Mesh) -> Result<Baked<S>, S::Error> {
         self.bake_with(mesh, |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `progress` is told how far it is, 0 to 1, and may break.
+    /// Simplifies a mesh and bakes its structure, like [`Builder::bake`]. Calls `progress` with the share done, 0 to 1; it
+    /// may break.
     ///
     /// # Errors
-    /// Those of [`Builder::bake`], and that `progress` broke.
+    /// As [`Builder::bake`], or `progress` broke.
     pub fn bake_with(
         &mut self,
         mesh: &Mesh,

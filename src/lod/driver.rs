@@ -1,25 +1,26 @@
-//! What instances that refine by view have in common: the cut that views ask for, and what is drawn on the way there.
+//! Common parts of instances refined by view: the cut asked for by the views, and the refinements drawn on the way
+//! there.
 
 use crate::adapt::{Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, is_done};
 use crate::view::{Answer, Criterion, Motion, ObjectView};
 
 use super::LodOptions;
 
-/// Drives a picture by views.
+/// Moves a cut by views, and draws the way there within limits.
 #[derive(Debug, Clone)]
 pub(crate) struct Driver {
     cut: Cut,
     views: Vec<ObjectView>,
     options: LodOptions,
-    /// `None` where what is asked for is drawn at once.
+    /// `None` if the cut is drawn at once.
     limits: Option<Box<FrameLimits>>,
     tolerance: Tolerance,
-    /// Whether no answer of the cut holds any more.
+    /// Set if no answer of the cut holds any more.
     forgets: bool,
 }
 
 impl Driver {
-    /// At the coarsest cut, with default options.
+    /// Starts at the coarsest cut, with default options.
     pub fn new(cut: Cut) -> Self {
         Self {
             cut,
@@ -47,17 +48,17 @@ impl Driver {
         self.tolerance.set(factor);
     }
 
-    /// Whether a refinement is drawn, where that may differ from being in the cut.
+    /// Holds if refinement `r` is drawn. Under limits, this may differ from being in the cut.
     pub fn shows(&self, r: u32) -> bool {
         self.limits.as_ref().map_or_else(|| self.cut.holds(r), |limits| limits.shows(r))
     }
 
-    /// Asks about everything in the next call.
+    /// Asks about every refinement in the next call.
     pub fn forget(&mut self) {
         self.forgets = true;
     }
 
-    /// Takes new options. `wanted` counts the triangles at the cut.
+    /// Sets new options. `wanted` counts the triangles at the cut.
     pub fn set_options<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -71,7 +72,7 @@ impl Driver {
         if options.is_immediate() || moves != self.options.geomorph.is_some() || counts_anew {
             if let Some(mut limits) = self.limits.take() {
                 limits.settle(of, sink);
-                // A budget that starts anew has given no answers.
+                // A new budget has given no answers yet.
                 self.forgets = true;
             }
         }
@@ -85,14 +86,14 @@ impl Driver {
         limits.set(options.triangles, options.operations, wanted(cut));
     }
 
-    /// Draws all that was last asked for, at once.
+    /// Draws the whole cut at once.
     pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         if let Some(limits) = &mut self.limits {
             limits.settle(of, sink);
         }
     }
 
-    /// Moves to what views ask for. `diagonal` is the object's.
+    /// Moves to the cut asked for by views. `diagonal` is the object's.
     pub fn adapt<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
@@ -109,7 +110,7 @@ impl Driver {
         change
     }
 
-    /// Moves to what a criterion needs. The next views are asked about everything.
+    /// Moves to the cut needed by a criterion. The next views are asked about every refinement.
     pub fn adapt_by<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
         of: &R,
@@ -142,13 +143,13 @@ impl Driver {
         }
     }
 
-    /// Bytes of its arrays.
+    /// Returns the bytes of its arrays.
     pub fn memory(&self) -> usize {
         self.cut.memory() + self.limits.as_ref().map_or(0, |limits| limits.memory())
     }
 }
 
-/// The fast way: what is asked for is drawn at once.
+/// Draws the cut at once: the fast way, without limits.
 fn direct<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
     of: &R,
     cut: &mut Cut,
@@ -165,7 +166,7 @@ fn direct<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
     Change { cut, triangles: sink.triangles(), ..Change::default() }
 }
 
-/// Needs everything, from everywhere.
+/// A criterion to need every refinement, from everywhere.
 pub(crate) struct Everything;
 
 impl<B> Criterion<B> for Everything {

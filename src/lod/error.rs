@@ -1,27 +1,27 @@
-//! Why an instance could not be made or changed, or values not be arranged.
+//! Errors of making or changing an instance.
 
-/// Why there is no such instance.
+/// Why an instance could not be made or changed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LodError {
-    /// As many values are needed as the structure has vertices.
+    /// The number of values is not the structure's number of vertices.
     #[error("there are {found} values where {expected} are needed, one for each vertex of the structure")]
     Length {
-        /// Values handed in.
+        /// Number of values passed.
         found: usize,
-        /// Vertices of the structure.
+        /// Number of vertices of the structure.
         expected: usize,
     },
-    /// Vertices would lie between others, and nobody said how values are mixed.
+    /// Vertices would lie between others, but the values have no blending.
     #[error("{what} mixes vertices: hand in values with blending (`Values::with_blending`)")]
     NeedsBlending {
-        /// What asks for it.
+        /// The feature to need blending.
         what: &'static str,
     },
-    /// The tables that instances share could not be made.
+    /// The data shared by instances could not be made.
     #[error("{what}")]
     Table {
-        /// Why.
+        /// The reason.
         what: String,
     },
 }

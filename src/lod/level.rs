@@ -1,24 +1,26 @@
-//! A level of detail of the whole model, asked for by its size or by its error.
+//! A level of detail of the whole model, by size or by error.
 
 use crate::mesh::Mesh;
 
-/// A level of detail to ask for. What is given is the finest that does not exceed it, and never less than the coarsest.
+/// A level of detail to ask for. A count or ratio gives the finest level within it, or else the coarsest level of the
+/// model. An error gives the coarsest level within it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Level {
-    /// At most so many triangles.
+    /// At most this many triangles.
     Triangles(usize),
-    /// At most so many vertices.
+    /// At most this many vertices.
     Vertices(usize),
-    /// The coarsest level known to err by at most this many object units. A totally ordered mesh keeps bounds for about one
-    /// resolution in 128 ([`TotallyOrderedMesh::error_marks`](crate::TotallyOrderedMesh::error_marks)), so up to that many
-    /// vertices more than needed are given. Below the finest bound, and for NaN, the full resolution.
+    /// The coarsest level with a known error of at most this, object units. A totally ordered mesh keeps at most 1024
+    /// bounds, about 1 per 128 vertices ([`TotallyOrderedMesh::error_marks`](crate::TotallyOrderedMesh::error_marks)), so
+    /// the level may be finer than needed by the vertices between two bounds. Below the finest bound, and for NaN, gives
+    /// the full resolution.
     Error(f32),
     /// At most this share of the triangles, 0 to 1; NaN is 0.
     Ratio(f32),
 }
 
-/// A level of detail as a mesh of its own.
+/// A level of detail as a mesh.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Extracted {

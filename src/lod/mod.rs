@@ -1,4 +1,4 @@
-//! The one face of all structures: bake a model, make an instance, adapt it, draw it.
+//! The interface common to all structures: bake a model, make an instance, adapt it, draw it.
 //!
 //! ```text
 //!     Mesh  --bake-->  Baked<S>  --instance(values, options)-->  Lod     every frame: adapt, uploads, clean, draws
@@ -9,17 +9,17 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `structure.rs` | [`Structure`]: what a structure is to whoever bakes, loads and draws it |
-//! | `baked.rs` | [`Baked`]: a structure, its vertices and where they come from |
-//! | `origins.rs` | [`Origins`]: how values of any type follow |
-//! | `values.rs` | [`Values`]: those values, in the structure's order |
-//! | `builder.rs` | [`Builder`]: simplify and bake in one call, with any metric |
+//! | `structure.rs` | [`Structure`]: what baking, loading and drawing need of a structure |
+//! | `baked.rs` | [`Baked`]: a structure, its vertices and their origins |
+//! | `origins.rs` | [`Origins`]: from values of the input's vertices to values of the structure's |
+//! | `values.rs` | [`Values`]: values in the structure's order |
+//! | `builder.rs` | [`Builder`]: simplify and bake in a single call, with any metric |
 //! | `options.rs` | [`LodOptions`]: how an instance follows the view |
 //! | `instance.rs` | [`Lod`]: a drawn instance |
 //! | `uploads.rs` | [`Upload`], [`Draw`]: what a frame writes and draws |
-//! | `driver.rs` | what instances that refine by view have in common |
+//! | `driver.rs` | common parts of instances refined by view |
 //! | `level.rs` | [`Level`]: a level of detail of the whole model |
-//! | `model.rs` | [`Model`]: a baked model of whatever structure |
+//! | `model.rs` | [`Model`]: a baked model of any structure |
 //! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
 //! | `error.rs` | [`LodError`] |
 

@@ -1,4 +1,4 @@
-//! A baked model of whatever structure: for programs that draw files and need not know what is in them.
+//! A baked model of any structure: for programs to draw files without knowing their structure.
 
 use std::any::Any;
 
@@ -8,55 +8,55 @@ use super::{
     Baked, Extracted, Level, Lod, LodError, LodOptions, Origins, Structure, Values, Vertex, VertexRank,
 };
 
-/// A [`Baked`] model whose structure is not known, drawn with vertices of type `V`. Read by [`io::read_model`](crate::io::read_model).
+/// A [`Baked`] model of unknown structure, drawn with vertices of type `V`. Read by [`io::read_model`](crate::io::read_model).
 #[cfg_attr(not(feature = "io"), allow(rustdoc::broken_intra_doc_links))]
 pub trait Model<V: Vertex>: Any + Send + Sync {
-    /// The name of its structure's kind.
+    /// Returns the name of the structure's kind.
     fn kind(&self) -> &'static str;
 
-    /// [`Structure::TRIANGULATIONS`].
+    /// Returns [`Structure::TRIANGULATIONS`].
     fn has_triangulations(&self) -> bool;
 
-    /// [`Baked::vertices`].
+    /// Returns [`Baked::vertices`].
     fn vertices(&self) -> &Mesh;
 
-    /// [`Baked::origins`].
+    /// Returns [`Baked::origins`].
     fn origins(&self) -> &Origins;
 
-    /// [`Baked::bounds`].
+    /// Returns [`Baked::bounds`].
     fn bounds(&self) -> Option<[[f32; 3]; 2]>;
 
-    /// Vertices, each of which an instance may draw.
+    /// Returns the number of vertices, each of which an instance may draw.
     fn vertex_count(&self) -> usize;
 
-    /// Vertices of the full resolution.
+    /// Returns the number of vertices of the full resolution.
     fn finest_vertex_count(&self) -> usize;
 
-    /// Triangles of the full resolution and of the coarsest level of detail.
+    /// Returns the numbers of triangles of the full resolution and of the coarsest level of detail.
     fn triangle_counts(&self) -> [usize; 2];
 
-    /// The material ids in use, ascending; empty where there are none.
+    /// Returns the material ids in use, ascending; empty if there are none.
     fn materials(&self) -> &[u32];
 
-    /// [`Structure::vertex_ranks`].
+    /// Returns [`Structure::vertex_ranks`].
     fn vertex_ranks(&self) -> Vec<VertexRank>;
 
-    /// [`Baked::memory`].
+    /// Returns [`Baked::memory`].
     fn memory(&self) -> usize;
 
-    /// [`Baked::plain_memory`].
+    /// Returns [`Baked::plain_memory`].
     fn plain_memory(&self) -> usize;
 
-    /// [`Baked::instance`].
+    /// Makes a drawn instance: [`Baked::instance`].
     ///
     /// # Errors
-    /// Those of [`Baked::instance`].
+    /// As [`Baked::instance`].
     fn instance(&self, values: &Values<V>, options: &LodOptions) -> Result<Box<dyn Lod>, LodError>;
 
-    /// [`Baked::level`].
+    /// Returns a level of detail as a mesh: [`Baked::level`].
     fn level(&self, level: Level) -> Extracted;
 
-    /// The [`Baked`] model itself, to be cast to that of a structure that one knows.
+    /// Returns the [`Baked`] model itself, to be downcast to a known structure.
     fn as_any(&self) -> &dyn Any;
 }
 

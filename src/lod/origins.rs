@@ -1,4 +1,4 @@
-//! Where the vertices of a structure come from: how values of any type follow, also years later.
+//! Origins of a structure's vertices: values of any type follow, even years later.
 
 use bytemuck::NoUninit;
 
@@ -9,33 +9,33 @@ use crate::mesh::MAX_ELEMENTS;
 use crate::mesh::{Mesh, Topology, check_folded, folded};
 use crate::simplify::CollapseSequence;
 
-/// A vertex that is none of the input's: `(1 - weight) * first + weight * second` of two others.
+/// A vertex not in the input: `(1 - weight) * first + weight * second` of two other vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mixture {
-    /// Input vertices, or earlier mixtures numbered from the number of input vertices on.
+    /// Input vertices or earlier mixtures. Mixtures are numbered from the number of input vertices on.
     pub from: [u32; 2],
-    /// Share of the second, 0 to 1.
+    /// Share of the second vertex, 0 to 1.
     pub weight: f32,
 }
 
-/// Where every vertex of a structure comes from: a vertex of the input, or a mixture of others.
+/// Origin of every vertex of a structure: an input vertex, or a mixture of other vertices.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts"))]
 pub struct Origins {
     input_vertices: u32,
-    /// Per vertex of the structure an input vertex, or the number of input vertices plus that of a mixture.
+    /// Per vertex of the structure an input vertex, or the number of input vertices plus a mixture's index.
     order: Vec<u32>,
     mixtures: Vec<Mixture>,
-    /// Input vertices that lie elsewhere than the input has them, ascending.
+    /// Input vertices whose place in the structure differs from the input's, ascending.
     snapped: Vec<u32>,
-    /// Pairs of input vertices that nothing in the mesh told apart, as `[duplicate, kept]`.
+    /// Pairs of input vertices not told apart by the mesh, as `[duplicate, kept]`.
     folded: Vec<[u32; 2]>,
 }
 
 impl Origins {
-    /// Of the vertices of a structure that was made from a sequence; `order` has their numbers in the sequence.
+    /// Makes the origins of a structure made from a sequence. `order` holds the vertices' numbers in the sequence.
     pub(crate) fn of_sequence(mesh: &Mesh, sequence: &CollapseSequence, order: Vec<u32>) -> Self {
         let mixtures = sequence.new_vertices().iter();
         Self {
@@ -47,12 +47,12 @@ impl Origins {
         }
     }
 
-    /// Of vertices that are the input's own, one for each wedge.
+    /// Makes the origins of vertices all in the input, a vertex per wedge.
     pub(crate) fn of_wedges(mesh: &Mesh, topology: &Topology, order: Vec<u32>) -> Self {
         Self::new(mesh.positions().len(), order, Vec::new()).folded_as(mesh, topology)
     }
 
-    /// The same of an input whose duplicates are one.
+    /// Adds the duplicates of the input: vertices of equal wedge.
     pub(crate) fn folded_as(mut self, mesh: &Mesh, topology: &Topology) -> Self {
         let wedges = (0_u32..).zip(topology.wedge_of());
         let duplicates = wedges.filter(|(v, wedge)| v != *wedge).map(|(v, &wedge)| [v, wedge]);
@@ -60,54 +60,54 @@ impl Origins {
         self
     }
 
-    /// Of vertices that are the input's own, in that order, and mixtures of those, which follow the input's numbers.
+    /// Makes origins from vertices in order and mixtures. Mixtures are numbered after the input's vertices.
     pub(crate) fn new(input_vertices: usize, order: Vec<u32>, mixtures: Vec<Mixture>) -> Self {
         Self { input_vertices: input_vertices as u32, order, mixtures, ..Self::default() }
     }
 
-    /// Vertices of the structure.
+    /// Returns the number of vertices of the structure.
     pub fn len(&self) -> usize {
         self.order.len()
     }
 
-    /// Whether the structure has no vertices.
+    /// Holds if the structure has no vertices.
     pub fn is_empty(&self) -> bool {
         self.order.is_empty()
     }
 
-    /// Vertices of the input.
+    /// Returns the number of vertices of the input.
     pub fn input_vertices(&self) -> usize {
         self.input_vertices as usize
     }
 
-    /// Per vertex of the structure the input's vertex, or where it is below none, the number of input vertices plus the number
-    /// of its mixture.
+    /// Returns the origin of each vertex of the structure: `v` below [`Origins::input_vertices`] is an input vertex, any other
+    /// is mixture `v - input_vertices`.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// Vertices that are none of the input's.
+    /// Returns the vertices not in the input, as mixtures.
     pub fn mixtures(&self) -> &[Mixture] {
         &self.mixtures
     }
 
-    /// Values of the input's vertices in the structure's order. O(n).
+    /// Puts values of the input's vertices into the structure's order. O(n).
     ///
     /// # Errors
-    /// As many values as input vertices are needed ([`MeshError::LengthMismatch`]). The structure has vertices that are none of
-    /// the input's ([`MeshError::NewVertices`]). Vertices that nothing in the mesh told apart differ ([`MeshError::Folded`]):
-    /// a seam would be lost.
+    /// - The number of values is not the number of input vertices ([`MeshError::LengthMismatch`]).
+    /// - The structure has vertices not in the input ([`MeshError::NewVertices`]).
+    /// - Values differ at vertices not told apart by the mesh ([`MeshError::Folded`]): a seam would be lost.
     pub fn arrange<V: NoUninit>(&self, values: &[V]) -> Result<Vec<V>, MeshError> {
         let arranged = self.arrange_any(values)?;
         check_folded(values, &self.folded)?;
         Ok(arranged)
     }
 
-    /// The same for values of any type, which cannot be compared: where they differ by more than the mesh told vertices at one
-    /// position apart, one stands for all.
+    /// Puts values of any type into the structure's order, without comparing them. Where values differ at vertices not told
+    /// apart by the mesh, a single value stands for all. O(n).
     ///
     /// # Errors
-    /// Those of [`Origins::arrange`], but the last.
+    /// As [`Origins::arrange`], except [`MeshError::Folded`].
     pub fn arrange_any<V: Clone>(&self, values: &[V]) -> Result<Vec<V>, MeshError> {
         if !self.mixtures.is_empty() {
             return Err(MeshError::NewVertices { count: self.mixtures.len() });
@@ -116,11 +116,11 @@ impl Origins {
         Ok(self.order.iter().map(|&v| values[v as usize].clone()).collect())
     }
 
-    /// Values in the structure's order, where `blend` makes those that are none of the input's from two others and the share of
-    /// the second. O(n).
+    /// Puts values into the structure's order. `blend(first, second, share of second)` makes the values of vertices not in the
+    /// input. O(n).
     ///
     /// # Errors
-    /// As many values as input vertices are needed.
+    /// The number of values is not the number of input vertices.
     pub fn arrange_with<V: Clone>(
         &self,
         values: &[V],
@@ -136,12 +136,13 @@ impl Origins {
         Ok(self.order.iter().map(|&v| self.value(values, &made, v).clone()).collect())
     }
 
-    /// Values in the structure's order, mixed where they are none of the input's; `place` puts those where the structure has
-    /// them that lie elsewhere than the values say: mixed ones, and those that closed a crack. `positions` are the structure's.
+    /// Puts values into the structure's order, blended at vertices not in the input. Calls `place` with the structure's
+    /// position, from `positions`, for every vertex that lies elsewhere than its value says: mixtures, and vertices moved to
+    /// close a crack.
     ///
     /// # Errors
-    /// As many values as input vertices, and as many positions as vertices of the structure, are needed. Vertices that nothing
-    /// in the mesh told apart differ ([`MeshError::Folded`]).
+    /// The number of values is not the number of input vertices, or the number of positions not the number of the structure's
+    /// vertices. Values differ at vertices not told apart by the mesh ([`MeshError::Folded`]).
     pub fn arrange_blended<V: NoUninit + Blend>(
         &self,
         values: &[V],
@@ -177,7 +178,7 @@ impl Origins {
         Err(MeshError::LengthMismatch { what: "values".to_owned(), found, expected })
     }
 
-    /// Bytes of its arrays.
+    /// Returns the bytes of its arrays.
     pub fn memory(&self) -> usize {
         size_of_val(&self.order[..])
             + size_of_val(&self.mixtures[..])
@@ -186,7 +187,7 @@ impl Origins {
     }
 }
 
-/// What comes out of a file.
+/// The fields of a file.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct Parts {

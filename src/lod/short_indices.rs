@@ -4,10 +4,10 @@ use crate::adapt::{Dirty, DirtyRanges};
 
 use super::Lod;
 
-/// Highest index: one less than 16 bits hold, which many graphics interfaces take for the end of a strip.
+/// Highest index: `u16::MAX - 1`, since many graphics interfaces take `u16::MAX` for the end of a strip.
 const HIGHEST: u32 = u16::MAX as u32 - 1;
 
-/// The triangles of one group with 16-bit indices, kept up to date by what an instance writes.
+/// The triangles of a group with 16-bit indices, kept up to date with an instance's writes.
 ///
 /// ```text
 ///     adapt(views)  ->  match short.update(&lod, group)  ->  upload short.dirty(gap)  ->  short.clean(), lod.clean()
@@ -19,16 +19,16 @@ pub struct ShortIndices {
     /// Triangles drawn.
     drawn: usize,
     dirty: Dirty,
-    /// Whether they were all right before.
+    /// Set if all indices fitted at the last update.
     fits: bool,
 }
 
 impl ShortIndices {
-    /// Takes in what was written since the last [`clean`](Lod::clean) of the instance; call it before that, every time, and
-    /// always for the same group of the same instance.
+    /// Copies the triangles written since the instance's last [`clean`](Lod::clean). Call it before every `clean`, and always
+    /// for the same group of the same instance.
     ///
-    /// `None` where an index is above 65,534, as can only be with more than 65,535 vertices in use (packed) or in all: then draw
-    /// the 32-bit indices. O(what was written); O(triangles) where it did not fit before.
+    /// Returns `None` if an index is above 65,534, possible only with more than 65,535 vertices in use (packed) or in all. Draw
+    /// the 32-bit indices then. O(written triangles); O(triangles) if the last update did not fit.
     pub fn update(&mut self, lod: &(impl Lod + ?Sized), group: usize) -> Option<&[[u16; 3]]> {
         let triangles = lod.triangles(group);
         self.drawn = triangles.len();
@@ -37,19 +37,19 @@ impl ShortIndices {
         self.fits.then(|| &self.triangles[..triangles.len()])
     }
 
-    /// Triangles written since the last [`ShortIndices::clean`], as ascending ranges; those that at most `gap` unwritten ones part
-    /// are one. All of them where the last update but one did not fit.
+    /// Returns the triangles written since the last [`ShortIndices::clean`], as ascending ranges. Ranges with at most `gap`
+    /// unwritten triangles between them are merged. Returns all triangles if the update before the last did not fit.
     pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
         self.dirty.ranges(self.drawn, gap)
     }
 
-    /// Forgets what was written: call it when it is uploaded.
+    /// Forgets what was written. Call it after the upload.
     pub fn clean(&mut self) {
         self.dirty.clear_range(0..self.drawn);
     }
 
     fn take_all(&mut self, triangles: &[[u32; 3]]) -> bool {
-        // What lies behind is taken in again when it comes back.
+        // Triangles behind the drawn ones are copied again when they come back.
         self.triangles.clear();
         self.dirty.clear();
         self.dirty.mark_all(triangles.len());
@@ -58,7 +58,7 @@ impl ShortIndices {
     }
 
     fn take_written(&mut self, triangles: &[[u32; 3]], lod: &(impl Lod + ?Sized), group: usize) -> bool {
-        // Those behind what is drawn stay as they were, as they do in the instance.
+        // Triangles behind the drawn ones stay as they were, as in the instance.
         let known = self.triangles.len();
         if known < triangles.len() {
             self.triangles.resize(triangles.len(), [0; 3]);
@@ -74,7 +74,7 @@ impl ShortIndices {
     }
 }
 
-/// Copies indices of equally many triangles; whether all fit.
+/// Copies the indices of equally many triangles. Returns true if all fit.
 fn narrow(from: &[[u32; 3]], to: &mut [[u16; 3]]) -> bool {
     let mut fits = true;
     for (from, to) in from.iter().zip(to) {

@@ -1,4 +1,4 @@
-//! What a structure is to whoever bakes, loads and draws it: a new one is a room and an `impl`.
+//! The interface of a structure for baking, loading and drawing. A new structure is a module and an `impl`.
 
 use std::ops::ControlFlow;
 
@@ -7,16 +7,16 @@ use crate::simplify::{CollapseSequence, OptionError};
 
 use super::{Baked, Extracted, Level, Lod, LodError, LodOptions, Values, Vertex};
 
-/// Told how far a build is, 0 to 1; says whether to go on.
+/// A callback on progress: gets the share of a build done, 0 to 1, and returns whether to go on.
 pub type Progress<'a> = &'a mut dyn FnMut(f32) -> ControlFlow<()>;
 
 /// When a vertex comes into use as detail grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct VertexRank {
-    /// From 0, in the coarsest mesh, to 1, among the last.
+    /// Rank from 0, in the coarsest mesh, to 1, among the last vertices.
     pub share: f32,
-    /// How far the surface may be off where it is left out, object units; infinite for vertices of the coarsest mesh.
+    /// Bound for the error of the surface without the vertex, object units; infinite for vertices of the coarsest mesh.
     pub error: f32,
 }
 
@@ -27,106 +27,106 @@ impl VertexRank {
         Self { share, error }
     }
 
-    /// The share of something that comes at a place in an order of so many which doubles from level to level.
+    /// Returns the share of place `at` in an order of `count` places, doubling from level to level: a ratio of logarithms.
     pub(crate) fn share_of(at: usize, count: usize) -> f32 {
         ((1.0 + at as f32).log2() / (1.0 + count as f32).log2()).clamp(0.0, 1.0)
     }
 }
 
-/// A multiresolution structure: topology alone, or with the vertices that its bounds are of. Immutable, shared by instances.
+/// A multiresolution structure: topology alone, or with the vertices of its bounds. Immutable, shared by instances.
 pub trait Structure: Sized + Send + Sync + 'static {
-    /// The name of its kind, as in baked files: at most 16 printable ASCII characters.
+    /// Name of the structure's kind, as in baked files: at most 16 printable ASCII characters.
     const KIND: &'static str;
 
-    /// Whether its instances have a choice of triangulations ([`LodOptions::triangulation`]).
+    /// Set if instances have a choice of triangulations ([`LodOptions::triangulation`]).
     const TRIANGULATIONS: bool = false;
 
-    /// How it is built.
+    /// Options of building the structure.
     type Options: Default;
-    /// Why it cannot be built.
+    /// Why the structure cannot be built.
     type Error: std::error::Error + Send + Sync + 'static;
-    /// What instances share besides the structure, made when the first one is.
+    /// Data shared by instances besides the structure, made with the first instance.
     type Table: Send + Sync;
-    /// A drawn instance with vertices of a type.
+    /// A drawn instance with vertices of type `V`.
     type Instance<V: Vertex>: Lod + 'static;
 
-    /// Builds it from a mesh, with its vertices and where they come from.
+    /// Builds the structure from a mesh, with its vertices and their origins.
     ///
     /// # Errors
-    /// The mesh is none of those that the structure can be built from, or `progress` breaks.
+    /// The structure cannot be built from this mesh, or `progress` breaks.
     fn build_baked(
         mesh: &Mesh,
         options: &Self::Options,
         progress: Progress<'_>,
     ) -> Result<Baked<Self>, Self::Error>;
 
-    /// The table that instances share.
+    /// Makes the data shared by instances.
     ///
     /// # Errors
-    /// It would be too large.
+    /// The data would be too large.
     fn table(model: &Baked<Self>) -> Result<Self::Table, LodError>;
 
-    /// A drawn instance, at the coarsest level of detail.
+    /// Makes a drawn instance, at the coarsest level of detail.
     ///
     /// # Errors
-    /// There are not as many values as vertices, or they cannot be mixed and would have to be.
+    /// The number of values is not the number of vertices, or they would have to be mixed and cannot be.
     fn instance<V: Vertex>(
         model: &Baked<Self>,
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self::Instance<V>, LodError>;
 
-    /// A level of detail of the whole model. O(n).
+    /// Returns a level of detail of the whole model. O(n).
     fn level(model: &Baked<Self>, level: Level) -> Extracted;
 
-    /// Vertices, each of which an instance may draw.
+    /// Returns the number of vertices, each of which an instance may draw.
     fn vertex_count(&self) -> usize;
 
-    /// Vertices of the full resolution.
+    /// Returns the number of vertices of the full resolution.
     fn finest_vertex_count(&self) -> usize;
 
-    /// Triangles of the full resolution.
+    /// Returns the number of triangles of the full resolution.
     fn triangle_count(&self) -> usize;
 
-    /// Triangles of the coarsest level of detail.
+    /// Returns the number of triangles of the coarsest level of detail.
     fn base_triangle_count(&self) -> usize;
 
-    /// The material ids in use, ascending: triangles are drawn in one group for each. Empty where the mesh has none.
+    /// Returns the material ids in use, ascending. Triangles are drawn in a group for each id. Empty if the mesh has none.
     fn materials(&self) -> &[u32];
 
-    /// Smallest and largest corner of the box around the full resolution; `None` without triangles. `vertices` are those of
-    /// the model. O(n).
+    /// Returns the smallest and largest corner of the box around the full resolution; `None` without triangles. `vertices`
+    /// are the model's. O(n).
     fn extent(&self, vertices: &Mesh) -> Option<[[f32; 3]; 2]>;
 
-    /// When every vertex comes into use, and what leaving it out can change: to colour or to send by. O(n).
+    /// Returns when every vertex comes into use, and the error of leaving it out: to colour or to send by. O(n).
     fn vertex_ranks(&self) -> Vec<VertexRank>;
 
-    /// The vertices that it keeps itself, if it does; else they lie beside it.
+    /// Returns the vertices held by the structure itself; `None` if they lie beside it.
     fn own_vertices(&self) -> Option<&Mesh> {
         None
     }
 
-    /// Checks that vertices fit that lie beside it in a file.
+    /// Checks the vertices lying beside the structure in a file.
     ///
     /// # Errors
-    /// They do not.
+    /// The vertices do not fit the structure.
     fn check_vertices(&self, vertices: &Mesh) -> Result<(), Self::Error>;
 
-    /// Bytes of its arrays, vertices that it keeps not counted.
+    /// Returns the bytes of its arrays, without vertices it holds.
     fn structure_memory(&self) -> usize;
 
-    /// Builds it from a mesh with default options: [`Structure::build_baked`] in short.
+    /// Builds the structure from a mesh with default options: [`Structure::build_baked`] in short.
     ///
     /// # Errors
-    /// The mesh is none of those that the structure can be built from.
+    /// The structure cannot be built from this mesh.
     fn bake(mesh: &Mesh) -> Result<Baked<Self>, Self::Error> {
         Self::bake_with(mesh, &Self::Options::default(), |_| ControlFlow::Continue(()))
     }
 
-    /// Builds it from a mesh with options. `progress` is told how far it is, 0 to 1, and may break.
+    /// Builds the structure from a mesh with options. Calls `progress` with the share done, 0 to 1; it may break.
     ///
     /// # Errors
-    /// The mesh is none of those that the structure can be built from, or `progress` breaks.
+    /// The structure cannot be built from this mesh, or `progress` breaks.
     fn bake_with(
         mesh: &Mesh,
         options: &Self::Options,
@@ -136,12 +136,12 @@ pub trait Structure: Sized + Send + Sync + 'static {
     }
 }
 
-/// A structure that is read off a collapse sequence.
+/// A structure built from a collapse sequence.
 pub trait FromSequence: Structure<Error: From<OptionError>> {
-    /// Builds it from a mesh and a simplification of it, with its vertices and where they come from.
+    /// Builds the structure from a mesh and its simplification, with its vertices and their origins.
     ///
     /// # Errors
-    /// The sequence belongs to another mesh, does not hold together, or is not one that the structure can be built from; or
+    /// The sequence belongs to another mesh, does not hold together, or is of a kind the structure cannot be built from; or
     /// `progress` breaks.
     fn bake_sequence(
         mesh: &Mesh,

@@ -1,4 +1,4 @@
-//! What a frame writes and draws, in the terms of graphics interfaces: buffers, offsets, bytes and ranges of indices.
+//! Writes and draws of a frame, in the terms of graphics interfaces: buffers, offsets, bytes and ranges of indices.
 
 use std::ops::Range;
 
@@ -6,22 +6,22 @@ use crate::adapt::DirtyRanges;
 
 use super::Lod;
 
-/// Bytes between two written ranges that are uploaded rather than parted: less than one more write costs.
+/// Most bytes between two written ranges to upload along with them: cheaper than another write.
 const GAP: usize = 48;
 /// Bytes of a triangle's indices.
 const TRIANGLE: usize = size_of::<[u32; 3]>();
 
-/// One write into a buffer: with wgpu, `queue.write_buffer(&buffers[upload.buffer], upload.offset, upload.bytes)`.
+/// A write into a buffer: with wgpu, `queue.write_buffer(&buffers[upload.buffer], upload.offset, upload.bytes)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Upload<'a> {
     /// 0: vertices; `1 + group`: indices of a group.
     pub buffer: usize,
-    /// Where in the buffer, bytes from its start. A multiple of 4, as the length is, if the size of a vertex is.
+    /// Offset in the buffer, bytes. Offset and length are multiples of 4 if the size of a vertex is.
     pub offset: u64,
-    /// What to write.
+    /// Bytes to write.
     pub bytes: &'a [u8],
-    /// Bytes that the buffer holds from now on: it must be at least that large.
+    /// Bytes in the buffer from now on. The buffer must be at least this large.
     pub size: u64,
 }
 
@@ -34,7 +34,7 @@ pub struct Uploads<'a> {
 }
 
 impl<'a> Uploads<'a> {
-    /// Those of an instance: what [`Lod::uploads`] returns.
+    /// Makes the writes of an instance: [`Lod::uploads`].
     pub fn new(lod: &'a dyn Lod) -> Self {
         let gap = GAP / lod.vertex_size().max(1);
         let ranges = if lod.shares_vertices() { DirtyRanges::none() } else { lod.dirty_vertices(gap) };
@@ -69,13 +69,13 @@ impl<'a> Iterator for Uploads<'a> {
     }
 }
 
-/// One indexed draw: with wgpu, `pass.draw_indexed(draw.indices, draw.base_vertex, 0..1)` with the index buffer `draw.buffer`.
+/// An indexed draw: with wgpu, `pass.draw_indexed(draw.indices, draw.base_vertex, 0..1)` with the index buffer `draw.buffer`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Draw {
-    /// The buffer with its indices, as in [`Upload::buffer`].
+    /// The buffer of the indices, as in [`Upload::buffer`].
     pub buffer: usize,
-    /// Indices of that buffer.
+    /// Range of indices in the buffer.
     pub indices: Range<u32>,
     /// Added to every index.
     pub base_vertex: i32,
@@ -91,7 +91,7 @@ pub struct Draws<'a> {
 }
 
 impl<'a> Draws<'a> {
-    /// Those of an instance: what [`Lod::draws`] returns.
+    /// Makes the draws of an instance: [`Lod::draws`].
     pub fn new(lod: &'a dyn Lod) -> Self {
         Self { lod, group: 0 }
     }

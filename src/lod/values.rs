@@ -1,4 +1,4 @@
-//! The values of a structure's vertices, of any type, in the structure's order.
+//! Values of a structure's vertices, of any type, in the structure's order.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -7,13 +7,13 @@ use bytemuck::NoUninit;
 
 use crate::adapt::Blend;
 
-/// What a vertex can be: plain data without padding, as graphics interfaces take it. Implemented for every such type; derive
+/// A type of vertex: plain data without padding, as graphics interfaces take it. Implemented for every such type; derive
 /// [`bytemuck::NoUninit`] or [`bytemuck::Pod`] for yours.
 pub trait Vertex: NoUninit + Send + Sync {}
 
 impl<V: NoUninit + Send + Sync> Vertex for V {}
 
-/// How two values are mixed, as function pointers, so that values of any type can be held and those that can be mixed moved.
+/// Functions to mix two values, as pointers: values of any type can be held, and moved if they can be mixed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mix<V> {
     /// `(1 - t) * a + t * b`.
@@ -22,10 +22,10 @@ pub(crate) struct Mix<V> {
     pub moved: fn(&V, &V, &V, f32) -> V,
 }
 
-/// The values of all vertices of a structure, in its order, shared by instances. Made by [`Baked::arrange`](super::Baked::arrange) and its
-/// kin, or from a vector in that order.
+/// The values of all vertices of a structure, in the structure's order, shared by instances. Made by
+/// [`Baked::arrange`](super::Baked::arrange) and its kin, or from a vector in this order.
 ///
-/// Where vertices are to move, or to lie between others (wavelet meshes), the instance must know how two are mixed:
+/// If vertices are to move, or to lie between others (wavelet meshes), the instance must be able to mix two values:
 /// [`Values::with_blending`].
 #[derive(Debug, Clone)]
 pub struct Values<V> {
@@ -34,7 +34,7 @@ pub struct Values<V> {
 }
 
 impl<V: Copy + Blend> Values<V> {
-    /// The same values, which instances may mix.
+    /// Lets instances mix the values.
     #[must_use]
     pub fn with_blending(mut self) -> Self {
         self.mix = Some(Mix { blend: V::blend, moved: V::moved });
@@ -43,12 +43,12 @@ impl<V: Copy + Blend> Values<V> {
 }
 
 impl<V> Values<V> {
-    /// The values as they are shared.
+    /// Returns the values as shared.
     pub fn shared(&self) -> &Arc<[V]> {
         &self.values
     }
 
-    /// Whether instances may mix them.
+    /// Holds if instances may mix the values.
     pub fn can_blend(&self) -> bool {
         self.mix.is_some()
     }
@@ -60,14 +60,14 @@ impl<V> Values<V> {
         self.mix
     }
 
-    /// The values, to be changed, or replaced by as many.
+    /// Returns the values, to be changed, or replaced by as many.
     pub(crate) fn shared_mut(&mut self) -> &mut Arc<[V]> {
         &mut self.values
     }
 }
 
 impl Values<()> {
-    /// No values: for an instance whose triangles alone count.
+    /// Makes no values, for an instance needed for its triangles alone.
     pub fn none(count: usize) -> Self {
         Self::from(vec![(); count])
     }

@@ -6,24 +6,24 @@
 //!     corners  0 7 | 1 3 8 | 2 | ...         ascending, so triangles come in order
 //! ```
 //!
-//! Built by counting, prefix sum and filling. Points are whatever the caller numbers: stored vertices, or the welded
-//! points of [`Topology`](super::Topology).
+//! Built by counting, prefix sum and filling. The caller numbers the points: stored vertices, or the welded points of
+//! [`Topology`](super::Topology).
 
 use super::MAX_ELEMENTS;
 
 /// The corners around every point. 4 bytes a point and 12 a triangle.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Adjacency {
-    /// Start of every point's corners; one more than points.
+    /// Start of every point's corners; `points + 1` entries.
     start: Vec<u32>,
     corners: Vec<u32>,
 }
 
 impl Adjacency {
-    /// The corners around each of `point_count` points, given the three points of every triangle. O(n).
+    /// Collects the corners around each of `point_count` points, given the three points of every triangle. O(n).
     ///
-    /// A triangle that names a point twice appears twice around it. A corner whose point is not below `point_count`
-    /// is left out, as is all beyond [`MAX_ELEMENTS`] triangles or points, which no [`Mesh`](super::Mesh) has.
+    /// A triangle naming a point twice appears twice around it. Leaves out corners whose point is not below
+    /// `point_count`, and everything beyond [`MAX_ELEMENTS`] triangles or points, which no [`Mesh`](super::Mesh) has.
     pub fn new(corner_points: &[[u32; 3]], point_count: usize) -> Self {
         let corner_points = &corner_points[..corner_points.len().min(MAX_ELEMENTS)];
         let point_count = point_count.min(MAX_ELEMENTS);
@@ -53,8 +53,8 @@ impl Adjacency {
         self.start.len().saturating_sub(1)
     }
 
-    /// The corners at a point, ascending: `3 * triangle + k`. Empty for a point that no triangle uses, or that does
-    /// not exist.
+    /// Returns the corners at a point, ascending: `3 * triangle + k`. Empty for a point that is unused or does not
+    /// exist.
     pub fn corners(&self, point: u32) -> &[u32] {
         let point = point as usize;
         match self.start.get(point..).and_then(|rest| rest.get(..2)) {
@@ -69,7 +69,7 @@ impl Adjacency {
     }
 }
 
-/// Turns counts, stored one place late, into starts.
+/// Turns counts into starts, in place. Count `i` is stored at `i + 1`.
 pub(super) fn prefix_sum(start: &mut [u32]) {
     let mut sum = 0;
     for entry in start {

@@ -2,7 +2,7 @@
 
 use crate::error::MeshError;
 
-/// Customary attribute names. Any other name is carried along just as well.
+/// Customary attribute names. Attributes of any other name are carried along too.
 pub mod names {
     /// Unit normals, 3 floats.
     pub const NORMAL: &str = "normal";
@@ -17,17 +17,18 @@ pub mod names {
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
 
-    /// The lowest vertex equal to each, 1 unsigned integer: what [`Mesh::from_vertices`](crate::Mesh::from_vertices) tells
-    /// vertices at one position apart by. In levels the numbers are still those of the input; files do not get it.
+    /// The lowest vertex equal to each vertex, 1 unsigned integer. [`Mesh::from_vertices`](crate::Mesh::from_vertices)
+    /// adds it to tell vertices at equal positions apart. In levels the numbers are still the numbers of the input's
+    /// vertices. Files leave it out.
     pub const VERTEX: &str = "vertex";
 
-    /// Whether a name is that of the first set or of a further one: `uv`, `uv1`, `uv2` and so on.
+    /// Whether `name` is `first`, or `first` followed by digits: `uv`, `uv1`, `uv2` and so on.
     pub fn is_set_of(name: &str, first: &str) -> bool {
         name.strip_prefix(first).is_some_and(|number| number.bytes().all(|c| c.is_ascii_digit()))
     }
 }
 
-/// The scalars of an attribute, `width` of them per vertex, vertex by vertex.
+/// The scalars of an attribute: `width` per vertex, vertex by vertex.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -75,18 +76,18 @@ pub struct Attribute {
 }
 
 impl Attribute {
-    /// An attribute of `width` scalars per vertex; checked when a mesh takes it
-    /// ([`Mesh::with_attribute`](super::Mesh::with_attribute)).
+    /// Builds an attribute of `width` scalars per vertex. [`Mesh::with_attribute`](super::Mesh::with_attribute) checks
+    /// width and length.
     pub fn new(name: impl Into<String>, width: usize, values: AttributeValues) -> Self {
         Self { name: name.into(), width, values }
     }
 
-    /// A float attribute from arrays of `WIDTH` floats, one per vertex.
+    /// Builds a float attribute from an array of `WIDTH` floats per vertex.
     pub fn floats<const WIDTH: usize>(name: impl Into<String>, values: &[[f32; WIDTH]]) -> Self {
         Self::new(name, WIDTH, AttributeValues::Float(values.as_flattened().to_vec()))
     }
 
-    /// A float attribute of `WIDTH` floats a vertex, taken from vertices of any type.
+    /// Builds a float attribute of `WIDTH` floats per vertex from vertices of any type.
     ///
     /// ```
     /// use multires::mesh::{Attribute, names};
@@ -117,7 +118,7 @@ impl Attribute {
         &self.values
     }
 
-    /// The scalars where they are floats.
+    /// Returns the scalars if they are floats.
     pub fn as_floats(&self) -> Option<&[f32]> {
         match &self.values {
             AttributeValues::Float(values) => Some(values),
@@ -125,7 +126,7 @@ impl Attribute {
         }
     }
 
-    /// The scalars where they are floats, to be changed.
+    /// Returns the scalars for writing if they are floats.
     pub(crate) fn floats_mut(&mut self) -> Option<&mut [f32]> {
         match &mut self.values {
             AttributeValues::Float(values) => Some(values),
@@ -144,7 +145,7 @@ impl Attribute {
         &self.values.words()[start..start + self.width]
     }
 
-    /// The values of the vertices in `order`, which all exist. O(output).
+    /// Copies the values of the vertices in `order`, which must all exist. O(output).
     pub(crate) fn gather(&self, order: &[u32]) -> Self {
         fn rows<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
             order.iter().flat_map(|&v| &values[v as usize * width..][..width]).copied().collect()
@@ -157,7 +158,7 @@ impl Attribute {
         Self::new(self.name.clone(), self.width, values)
     }
 
-    /// Brings a blended normal or tangent back to unit length; values of other attributes stay as they are.
+    /// Scales a blended normal or tangent to unit length. Values of other attributes stay as they are.
     pub(crate) fn normalise_direction(&self, value: &mut [f32]) {
         if !matches!(self.name.as_str(), names::NORMAL | names::TANGENT) || self.width < 3 {
             return;
@@ -168,7 +169,7 @@ impl Attribute {
         }
     }
 
-    /// Makes room for more vertices.
+    /// Reserves room for `vertices` more vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
         match &mut self.values {
             AttributeValues::Float(v) => v.reserve_exact(vertices * self.width),
@@ -187,7 +188,7 @@ impl Attribute {
         }
     }
 
-    /// Copies one vertex over another.
+    /// Copies the values of vertex `from` to vertex `to`.
     pub(super) fn copy_row(&mut self, from: u32, to: u32) {
         let [from, to] = [from, to].map(|v| v as usize * self.width);
         match &mut self.values {
@@ -197,7 +198,7 @@ impl Attribute {
         }
     }
 
-    /// A scalar, whatever it is stored as.
+    /// Returns a scalar of any type as `f64`.
     pub(super) fn scalar(&self, at: usize) -> f64 {
         match &self.values {
             AttributeValues::Float(v) => f64::from(v[at]),
@@ -206,7 +207,7 @@ impl Attribute {
         }
     }
 
-    /// Stores a scalar as what the attribute holds, rounded to it.
+    /// Stores a scalar in the attribute's type; integers are rounded.
     pub(super) fn set_scalar(&mut self, at: usize, scalar: f64) {
         match &mut self.values {
             AttributeValues::Float(v) => v[at] = scalar as f32,

@@ -1,40 +1,43 @@
-//! Blends of two vertices' attributes: the one place that says what a new vertex carries.
+//! Blends of two vertices' attributes. Every new vertex of the crate gets its values here.
 //!
 //! | stream | blend |
 //! |---|---|
-//! | normals | blended and brought to unit length; the nearer end's where both ends' cancel |
-//! | tangents | direction blended, made perpendicular to the blended normal, unit length; handedness copied from the nearer end, and the direction too where the ends' handedness differs |
-//! | joints with their weights | blended as sets: a joint gets the blend of its weights at both ends, the heaviest joints stay, and weights are scaled to the sum that they had |
-//! | other floats | blended one by one, within the range of both ends |
+//! | normals | blended and scaled to unit length; where both ends cancel, the nearer end's normal |
+//! | tangents | blended, made perpendicular to the blended normal, unit length; handedness of the nearer end |
+//! | joints and weights | blended as sets: the weight of a joint is the blend of its weights at both ends |
+//! | other floats | blended component by component, within the range of both ends |
 //! | other labels | copied from the nearer end |
 //!
-//! A vertex with one source, or with a share of 0 or 1, is a copy, bit for bit.
+//! A vertex blended from a single source, or with a share of 0 or 1, is a copy, bit for bit.
+//!
+//! The nearer end's tangent direction is copied where the ends differ in handedness or their directions cancel. Of a
+//! blended set the heaviest joints stay, and weights are scaled to the larger of both ends' sums.
 
 use glam::Vec3;
 
 use super::{Attribute, AttributeValues, names};
 
-/// Widest attribute, scalars.
+/// Maximum width of an attribute, scalars.
 const WIDEST: usize = 16;
-/// Blended normals shorter than this share of the longer end's cancel each other: their direction is noise.
+/// Blended directions cancel if they are shorter than this share of the longer end: their direction is noise.
 const CANCELLED: f32 = 1e-3;
-/// Sums of weights within this of 1 are meant to be 1.
+/// A sum of weights within this of 1 counts as 1.
 const ROUNDING: f64 = 0.01;
 
-/// Attribute streams of a mesh that grow by blends of vertices which they hold already.
+/// Attribute streams of a mesh, growing by blends of vertices already in them.
 #[derive(Debug, Clone)]
 pub(crate) struct Blender {
     attributes: Vec<Attribute>,
     normal: Option<usize>,
     tangent: Option<usize>,
-    /// Streams of joints, each with its stream of weights: together one set a vertex.
+    /// Pairs of streams, joints and weights. All pairs together hold the set of a vertex.
     skin: Vec<[usize; 2]>,
-    /// Joints and weights of the vertex at hand.
+    /// Joints and weights of the current vertex.
     set: Vec<[f64; 2]>,
 }
 
 impl Blender {
-    /// A copy of the streams, with room for `more` vertices. O(values).
+    /// Copies the streams and reserves room for `more` vertices. O(values).
     pub fn new(attributes: &[Attribute], more: usize) -> Self {
         let mut attributes = attributes.to_vec();
         attributes.iter_mut().for_each(|attribute| attribute.reserve(more));
@@ -51,7 +54,7 @@ impl Blender {
         }
     }
 
-    /// Appends `(1 - share) * from[0] + share * from[1]`; both vertices exist. O(scalars).
+    /// Appends `(1 - share) * from[0] + share * from[1]`. Both vertices must exist. O(scalars).
     pub fn push(&mut self, from: [u32; 2], share: f32) {
         let Some(first) = self.attributes.first() else { return };
         let vertex = (first.values().len() / first.width()) as u32;
@@ -59,7 +62,8 @@ impl Blender {
         self.put(vertex, from, share);
     }
 
-    /// Puts `(1 - share) * from[0] + share * from[1]` in the place of a vertex that is neither. O(scalars).
+    /// Overwrites `vertex` with `(1 - share) * from[0] + share * from[1]`. `vertex` must differ from both ends.
+    /// O(scalars).
     pub fn put(&mut self, vertex: u32, from: [u32; 2], share: f32) {
         let nearer = from[usize::from(share > 0.5)];
         if from[0] == from[1] || share <= 0.0 || share >= 1.0 {
@@ -82,12 +86,12 @@ impl Blender {
         self.put_skin(vertex, from, share);
     }
 
-    /// The streams.
+    /// Returns the streams.
     pub fn finish(self) -> Vec<Attribute> {
         self.attributes
     }
 
-    /// The first three scalars of a vertex in a stream.
+    /// Returns the first three scalars of a vertex in a stream.
     fn vector(&self, stream: usize, vertex: u32) -> Vec3 {
         let attribute = &self.attributes[stream];
         match &attribute.values {
@@ -103,7 +107,7 @@ impl Blender {
         }
     }
 
-    /// Brings a blended normal to unit length.
+    /// Scales a blended normal to unit length.
     fn put_normal(&mut self, vertex: u32, from: [u32; 2], nearer: u32) {
         let Some(stream) = self.normal else { return };
         let blended = self.vector(stream, vertex);
@@ -113,7 +117,8 @@ impl Blender {
         self.set_vector(stream, vertex, unit(whole));
     }
 
-    /// Blends tangents about the blended normal. The nearer end's have been copied.
+    /// Blends tangents and makes the result perpendicular to the blended normal. Expects the nearer end's tangent in
+    /// `vertex`.
     fn put_tangent(&mut self, vertex: u32, from: [u32; 2], share: f32, nearer: u32) {
         let Some(stream) = self.tangent else { return };
         let attribute = &self.attributes[stream];
@@ -186,7 +191,7 @@ impl Blender {
     }
 }
 
-/// Blends the floats of one vertex; none leaves the range of its two ends.
+/// Blends the floats of a vertex; every component stays within the range of both ends.
 fn blend_row(values: &mut [f32], width: usize, vertex: u32, from: [u32; 2], share: f32) {
     let [to, a, b] = [vertex, from[0], from[1]].map(|v| v as usize * width);
     for i in 0..width {
@@ -197,14 +202,14 @@ fn blend_row(values: &mut [f32], width: usize, vertex: u32, from: [u32; 2], shar
     }
 }
 
-/// Unit length, where there is a length and it is not 1 to rounding.
+/// Scales a vector to unit length, unless it has no length or its length is 1 up to rounding.
 fn unit(vector: Vec3) -> Vec3 {
     let length = vector.length();
     if length > 1e-12 && (length - 1.0).abs() > 1e-5 { vector / length } else { vector }
 }
 
-/// Scales weights, largest first, to a sum. Integers are rounded, and what that leaves goes to those that lost most by
-/// it, so that the sum is exact.
+/// Scales weights, largest first, to `sum`. Integers are rounded down, and the remainder goes to the weights that lost
+/// most: the sum is exact.
 fn scale_to(set: &mut [[f64; 2]], sum: f64, is_float: bool) {
     let now: f64 = set.iter().map(|pair| pair[1]).sum();
     if now <= 0.0 {
@@ -230,7 +235,8 @@ fn scale_to(set: &mut [[f64; 2]], sum: f64, is_float: bool) {
     }
 }
 
-/// The streams of joints with their weights, of all sets of influences: those that fit together.
+/// Finds the pairs of joint and weight streams, set by set; stops at the first set of unequal widths or of another
+/// weight type.
 fn skin(attributes: &[Attribute]) -> Vec<[usize; 2]> {
     let position = |name: &str, set: usize| {
         let is_it = |attribute: &Attribute| {

@@ -1,4 +1,4 @@
-//! Normals from the triangles, smooth up to a crease angle; and the angle that explains the normals that a mesh has.
+//! Normals from triangles, smooth up to a crease angle; and the crease angle behind the normals of a mesh.
 //!
 //! ```text
 //!      \ n1   n2 /        corners around a point are one smoothing group as long as the edges between them turn by
@@ -7,69 +7,70 @@
 //!   /          | crease
 //! ```
 //!
-//! Edges are smooth or creased as a whole, as in smoothing groups: a crease that ends in a smooth surface splits nothing at
-//! its last point.
+//! An edge is smooth or creased as a whole, as in smoothing groups: a crease ending in a smooth surface splits nothing
+//! at its last point.
 
 use glam::DVec3;
 
 use super::edges::next_half_edge;
 use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
 
-/// Edges that turn by less are flat: no angle makes creases of them, since rounding alone makes as much.
+/// Edges turning by less are flat. No crease angle applies to flat edges: rounding alone makes turns of this size.
 const FLAT_DEGREES: f64 = 0.02;
 /// Edges of more triangles are creases.
 const MOST_AT_AN_EDGE: usize = 8;
-/// Normals that turn by less across an edge make no crease.
+/// Normals turning by less across an edge make no crease.
 const SAME_EDGE_DEGREES: f64 = 0.5;
-/// Cosine beyond which two triangles at an edge are the two sides of one sheet.
+/// Cosine of the turn below which two triangles at an edge are the two sides of a sheet.
 const OPPOSITE: f64 = -0.999;
-/// Computed normals within this of the stored ones are the same for the eye.
+/// Computed normals within this angle of the stored normals look equal.
 const SAME_DEGREES: f64 = 5.0;
 
-/// How much each triangle's normal counts in the mean around a point.
+/// Weight of each triangle's normal in the mean around a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NormalWeights {
-    /// By area: large faces stay flat beside small ones.
+    /// Area: large faces stay flat beside small faces.
     #[default]
     Area,
-    /// By the corner: `|a x b| / (|a|^2 |b|^2)` for the edges `a` and `b` there, exact for points on a sphere (Max, *Weights
-    /// for Computing Vertex Normals from Facet Normals*, 1999).
+    /// Weight `|a x b| / (|a|^2 |b|^2)` for the edges `a` and `b` at the corner, exact for points on a sphere (Max,
+    /// *Weights for Computing Vertex Normals from Facet Normals*, 1999).
     Corner,
-    /// All the same.
+    /// Equal weights.
     Equal,
 }
 
 const ALL_WEIGHTS: [NormalWeights; 3] = [NormalWeights::Area, NormalWeights::Corner, NormalWeights::Equal];
 
-/// Where normals are smooth, and what they are.
+/// Crease angle and weights of computed normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Creases {
-    /// Edges that turn by more than this are creases, degrees, 0 (every edge that is not flat) to 180 (none).
+    /// Largest turn of a smooth edge, degrees. Edges turning by more are creases. 0: every edge not flat is a crease;
+    /// 180: no edge.
     pub angle: f32,
-    /// How much each triangle counts in a normal.
+    /// Weight of each triangle in a normal.
     pub weights: NormalWeights,
 }
 
 impl Creases {
-    /// The angle and weights that explain the normals of a mesh best, and the share of corners whose normals they give to
-    /// within five degrees, 0 to 1. None where there are no normals, or no triangle has an area. O(n log n).
+    /// Fits the angle and weights to the normals of a mesh. Also returns the share of corners whose stored normal they
+    /// reproduce to within 5 degrees, 0 to 1. `None` without normals, or if no triangle has an area. O(n log n).
     pub fn fitted(mesh: &Mesh) -> Option<(Self, f64)> {
         let normals = stored(mesh)?;
         let facets = Facets::new(mesh);
         Self::best(mesh, &facets, &normals, facets.best_angle(mesh, &normals))
     }
 
-    /// Creases of an angle in degrees, and the weights that explain the normals of a mesh best with it.
+    /// Uses `angle` (degrees) and fits the weights to the normals of a mesh; default weights without normals.
     pub fn with_angle(mesh: &Mesh, angle: f32) -> Self {
         let best = stored(mesh).and_then(|normals| Self::best(mesh, &Facets::new(mesh), &normals, angle));
         best.map_or(Self { angle, weights: NormalWeights::default() }, |(creases, _)| creases)
     }
 
-    /// The share of points at which three or more seams meet that normals alone make: those that nothing can move. 0 where
-    /// there are no normals. O(n).
+    /// Share of points where three or more seams of normals alone meet: no simplification can move such points. 0
+    /// without normals. O(n).
     pub(crate) fn hard_share(mesh: &Mesh) -> f64 {
         let Some(normals) = stored(mesh) else { return 0.0 };
         let facets = Facets::new(mesh);
@@ -83,7 +84,7 @@ impl Creases {
             let other_seam = ends.iter().any(|&(v, w)| wedge_of[v] != wedge_of[w]);
             let is_hard = ends.iter().any(|&(v, w)| normals[v].dot(normals[w]) < cos(SAME_EDGE_DEGREES));
             let points = ends.map(|(v, _)| point_of[v]);
-            // Sides of one sheet look away from each other, and every edge counts once.
+            // The sides of a sheet face away from each other. Each edge counts once.
             if is_hard && !other_seam && turn > OPPOSITE && points != last {
                 points.iter().for_each(|&p| seams[p as usize] += 1);
                 last = points;
@@ -110,15 +111,16 @@ impl Creases {
 }
 
 impl Mesh {
-    /// The mesh with normals from its triangles, smooth but for creases, instead of those that it has. Vertices between two
-    /// smoothing groups are split: each is there once for each group, in order of first use; vertices that no triangle uses
-    /// go. Tangents are made perpendicular to the new normals. O(n log n).
+    /// Replaces the normals by normals computed from the triangles, smooth except at creases. O(n log n).
+    ///
+    /// Splits vertices between smoothing groups: a copy per group, in order of first use. Drops vertices used by no
+    /// triangle. Makes tangents perpendicular to the new normals.
     #[must_use]
     pub fn with_crease_normals(&self, creases: &Creases) -> Mesh {
         let facets = Facets::new(self);
         let groups = facets.groups(creases.angle);
         let normals = facets.normals(self, &groups, creases.weights);
-        // Copies of each vertex: its group, the number of the copy, and the next copy.
+        // Per vertex its first copy; per copy its group and the next copy of its vertex.
         let mut first = vec![NONE; self.positions().len()];
         let mut copies: Vec<[u32; 2]> = Vec::new();
         let (mut order, mut made) = (Vec::new(), Vec::new());
@@ -143,7 +145,7 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh without normals and tangents.
+    /// Removes normals and tangents.
     #[must_use]
     pub fn without_normals(&self) -> Mesh {
         let mut mesh = self.clone();
@@ -151,7 +153,7 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh without one attribute.
+    /// Removes the attribute called `name`.
     pub(crate) fn without_attribute(&self, name: &str) -> Mesh {
         let mut mesh = self.clone();
         mesh.attributes.retain(|attribute| attribute.name() != name);
@@ -175,7 +177,7 @@ impl Mesh {
     }
 }
 
-/// The normals of a mesh, by vertex.
+/// Returns the unit normals of a mesh, by vertex; `None` without an attribute of 3 floats.
 fn stored(mesh: &Mesh) -> Option<Vec<DVec3>> {
     let normals = mesh.attribute(names::NORMAL).filter(|normals| normals.width() == 3)?.as_floats()?;
     let unit = |n: &[f32]| DVec3::new(n[0].into(), n[1].into(), n[2].into()).normalize_or_zero();
@@ -186,9 +188,9 @@ fn cos(degrees: f64) -> f64 {
     degrees.to_radians().cos()
 }
 
-/// The triangles of a mesh with what smoothing asks of them.
+/// The triangles of a mesh with the normals and edges needed for smoothing.
 struct Facets {
-    /// Unit normals; zero without an area.
+    /// Unit normals; zero if the triangle has no area.
     normals: Vec<DVec3>,
     edges: Edges,
 }
@@ -206,8 +208,8 @@ impl Facets {
         Self { normals: normals.collect(), edges: Edges::new(&corners, topology.point_count()) }
     }
 
-    /// Calls `visit` with every two half-edges that run along an edge in opposite ways, and the cosine of the angle by which
-    /// the surface turns there.
+    /// Calls `visit` with every pair of half-edges running along an edge in opposite directions, and the cosine of the
+    /// surface's turn. Skips edges of more than [`MOST_AT_AN_EDGE`] triangles.
     fn for_smoothable(&self, mut visit: impl FnMut(u32, u32, f64)) {
         for edge in 0..self.edges.len() as u32 {
             if self.edges.half_edges(edge).len() > MOST_AT_AN_EDGE {
@@ -222,7 +224,7 @@ impl Facets {
         }
     }
 
-    /// The smoothing group of every corner: its lowest corner.
+    /// Returns the smoothing group of every corner, named by the group's lowest corner.
     fn groups(&self, angle: f32) -> Vec<u32> {
         let least = cos(f64::from(angle).max(FLAT_DEGREES));
         let mut parent: Vec<u32> = (0..3 * self.normals.len() as u32).collect();
@@ -244,7 +246,7 @@ impl Facets {
         (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
     }
 
-    /// The unit normal of every group, at its lowest corner.
+    /// Returns the unit normal of every group, stored at the group's lowest corner.
     fn normals(&self, mesh: &Mesh, groups: &[u32], weights: NormalWeights) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; groups.len()];
         for (t, (&corners, &normal)) in mesh.triangles().iter().zip(&self.normals).enumerate() {
@@ -264,7 +266,7 @@ impl Facets {
         sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z)).collect()
     }
 
-    /// The share of corners whose stored normal is that of their group.
+    /// Returns the share of corners whose stored normal equals their group's normal, up to [`SAME_DEGREES`].
     fn share_explained(
         &self,
         mesh: &Mesh,
@@ -286,10 +288,11 @@ impl Facets {
         (all > 0).then(|| same as f64 / all as f64)
     }
 
-    /// The angle that parts smooth edges from creases with the fewest mistakes, degrees.
+    /// Returns the angle separating smooth edges from creases with the fewest mistakes, degrees.
     fn best_angle(&self, mesh: &Mesh, stored: &[DVec3]) -> f32 {
         let vertex = |half_edge: u32| mesh.triangles().as_flattened()[half_edge as usize] as usize;
-        // Chords of angles; across a small turn face normals lie as near each other as the faces.
+        // Chords of angles. Across a small turn, creased normals differ by no more than the face normals: ask for less
+        // than half.
         let chord = |turn: f64| (2.0 - 2.0 * turn).max(0.0).sqrt();
         let same = |a: u32, b: u32, turn: f64| {
             let least = chord(cos(SAME_EDGE_DEGREES)).min(0.5 * chord(turn));
@@ -298,14 +301,14 @@ impl Facets {
         let flat = cos(FLAT_DEGREES);
         let mut edges: Vec<(f64, bool)> = Vec::new();
         self.for_smoothable(|a, b, turn| {
-            // Sides of one sheet look away from each other; that says nothing.
+            // The sides of a sheet face away from each other and are no evidence.
             if turn < flat && turn > OPPOSITE {
                 let is_smooth = same(a, next_half_edge(b), turn) && same(next_half_edge(a), b, turn);
                 edges.push((turn, is_smooth));
             }
         });
         edges.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
-        // Before the first edge all count as creases: every smooth one is a mistake.
+        // Start with all edges as creases: every smooth edge is a mistake.
         let mut mistakes = edges.iter().filter(|edge| edge.1).count();
         let (mut fewest, mut split) = (mistakes, 0);
         for (i, &(turn, is_smooth)) in edges.iter().enumerate() {
@@ -323,7 +326,7 @@ impl Facets {
         match split {
             0 => 0.0,
             _ if split == edges.len() => 180.0,
-            // Levels of detail turn by more at each edge: rather too smooth than too hard.
+            // Levels of detail turn by more at each edge: prefer too smooth over too hard.
             _ => (0.25 * degrees(split - 1) + 0.75 * degrees(split)) as f32,
         }
     }

@@ -1,4 +1,4 @@
-//! Whether two triangles cross.
+//! Crossing test of two triangles.
 //!
 //! ```text
 //!         /|            A side of one triangle pierces the other: its ends lie strictly on either side of the other's
@@ -8,10 +8,10 @@
 
 use glam::DVec3;
 
-/// Corners, of single precision in origin, so that their differences are as good as exact.
+/// Three corners, converted from single precision: differences of corners are as good as exact.
 type Corners = [DVec3; 3];
 
-/// Whether two triangles cross. Symmetric. Signs that rounding could have turned count as 0.
+/// Whether two triangles cross. Symmetric. A sign within rounding counts as 0.
 pub(crate) fn triangles_cross(a: &Corners, b: &Corners) -> bool {
     let sides = |b: &Corners| a_sides(b).iter().any(|&[p, q]| pierces(p, q, a));
     sides(b) || a_sides(a).iter().any(|&[p, q]| pierces(p, q, b))
@@ -21,7 +21,7 @@ fn a_sides(&[a, b, c]: &Corners) -> [[DVec3; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// Whether the way from `p` to `q` passes through a triangle.
+/// Whether the segment from `p` to `q` passes through a triangle.
 fn pierces(p: DVec3, q: DVec3, &[a, b, c]: &Corners) -> bool {
     let (above, below) = (side(a, b, c, p), side(a, b, c, q));
     if above * below >= 0 {
@@ -31,7 +31,8 @@ fn pierces(p: DVec3, q: DVec3, &[a, b, c]: &Corners) -> bool {
     (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)
 }
 
-/// On which side of the plane of `a`, `b`, `c` a point lies: the sign of the determinant, 0 within its rounding.
+/// Returns the side of the plane of `a`, `b`, `c` on which `d` lies: the sign of the determinant, 0 within its
+/// rounding.
 fn side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> i32 {
     let (u, v, w) = (a - d, b - d, c - d);
     let (x, y, z) = (v.y * w.z, v.z * w.x, v.x * w.y);
@@ -57,7 +58,7 @@ mod tests {
 
     fn cross(b: Corners) -> bool {
         let result = triangles_cross(&FLAT, &b);
-        // Whichever comes first, wherever it starts, whichever way round it goes.
+        // In either order, from any corner, with either orientation.
         let [p, q, r] = b;
         assert_eq!(triangles_cross(&b, &FLAT), result);
         assert_eq!(triangles_cross(&FLAT, &[r, q, p]), result);

@@ -11,29 +11,30 @@
 //!           a          three or more     a non-manifold edge
 //! ```
 //!
-//! Built by a counting sort over the low ends and a sort of each bucket, so that a point of any valence costs
-//! O(k log k), and no hash order can show.
+//! Built by a counting sort over the low ends and a sort of each bucket: O(k log k) around a point of valence k. No
+//! hashing, so no hash order shows.
 
 use super::adjacency::prefix_sum;
 use super::{MAX_ELEMENTS, NONE};
 
 /// Every undirected edge once, with the half-edges along it. 16 bytes an edge and 4 a half-edge.
 ///
-/// Edges are numbered in the order of their ends, the low end first.
+/// Edges are numbered in ascending order of `[low end, high end]`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Edges {
     ends: Vec<[u32; 2]>,
-    /// Start of every edge's half-edges; one more than edges.
+    /// Start of every edge's half-edges; `edges + 1` entries.
     start: Vec<u32>,
-    /// Where every edge's backward half-edges start.
+    /// Start of every edge's backward half-edges.
     backward: Vec<u32>,
     half_edges: Vec<u32>,
 }
 
 impl Edges {
-    /// The edges of triangles given by the points at their corners. O(n), plus O(k log k) around a point of valence k.
+    /// Collects the edges of triangles given by the points at their corners. O(n), plus O(k log k) around a point of
+    /// valence k.
     ///
-    /// Left out are triangles that name a point twice or a point not below `point_count`, and all beyond
+    /// Leaves out triangles naming a point twice or a point not below `point_count`, and everything beyond
     /// [`MAX_ELEMENTS`] triangles or points, which no [`Mesh`](super::Mesh) has.
     pub fn new(corner_points: &[[u32; 3]], point_count: usize) -> Self {
         let corner_points = &corner_points[..corner_points.len().min(MAX_ELEMENTS)];
@@ -53,7 +54,7 @@ impl Edges {
         });
         drop(next);
 
-        // A closed surface has two half-edges an edge, and more than that only grows with borders.
+        // A closed surface has two half-edges an edge. Borders make the number of edges grow.
         let mut edges = Self { half_edges: Vec::with_capacity(keys.len()), ..Self::default() };
         edges.reserve(keys.len() / 2 + 1);
         for low in 0..point_count {
@@ -89,49 +90,49 @@ impl Edges {
         self.ends.is_empty()
     }
 
-    /// The points at the ends of every edge, `[low, high]`, in ascending order.
+    /// Points at the ends of every edge, `[low, high]`, in ascending order.
     pub fn ends(&self) -> &[[u32; 2]] {
         &self.ends
     }
 
-    /// The edge between two points, in either order. O(log n).
+    /// Finds the edge between two points, in either order. O(log n).
     pub fn find(&self, a: u32, b: u32) -> Option<u32> {
         self.ends.binary_search(&[a.min(b), a.max(b)]).ok().map(|edge| edge as u32)
     }
 
-    /// All half-edges along an edge: forward ones, then backward ones, each ascending. Empty for an edge that does not
-    /// exist. A half-edge `h` belongs to triangle `h / 3`.
+    /// Returns all half-edges along an edge: forward half-edges, then backward half-edges, each ascending. Empty for an
+    /// edge that does not exist. Half-edge `h` belongs to triangle `h / 3`.
     pub fn half_edges(&self, edge: u32) -> &[u32] {
         self.range(edge).map_or(&[], |[start, _, end]| &self.half_edges[start..end])
     }
 
-    /// The half-edges that run from the low end to the high end, ascending.
+    /// Returns the half-edges running from the low end to the high end, ascending.
     pub fn forward(&self, edge: u32) -> &[u32] {
         self.range(edge).map_or(&[], |[start, turn, _]| &self.half_edges[start..turn])
     }
 
-    /// The half-edges that run from the high end to the low end, ascending.
+    /// Returns the half-edges running from the high end to the low end, ascending.
     pub fn backward(&self, edge: u32) -> &[u32] {
         self.range(edge).map_or(&[], |[_, turn, end]| &self.half_edges[turn..end])
     }
 
-    /// Whether one triangle alone has this edge.
+    /// Whether the edge has exactly 1 triangle.
     pub fn is_border(&self, edge: u32) -> bool {
         self.half_edges(edge).len() == 1
     }
 
-    /// Whether three or more triangles have this edge.
+    /// Whether the edge has 3 or more triangles.
     pub fn is_non_manifold(&self, edge: u32) -> bool {
         self.half_edges(edge).len() > 2
     }
 
-    /// Whether exactly two triangles have this edge and both run along it the same way: their orientations clash.
+    /// Whether the edge has exactly 2 triangles, both running along it in the same direction: their orientations clash.
     pub fn is_flipped(&self, edge: u32) -> bool {
         self.half_edges(edge).len() == 2 && self.forward(edge).len() != 1
     }
 
-    /// The edge of every half-edge of `triangle_count` triangles, three to a triangle; `u32::MAX` where the triangle
-    /// was left out. O(n).
+    /// Returns the edge of every half-edge of `triangle_count` triangles, three per triangle; `u32::MAX` for triangles
+    /// left out by [`Edges::new`]. O(n).
     pub fn of_half_edges(&self, triangle_count: usize) -> Vec<[u32; 3]> {
         let mut edge_of = vec![[NONE; 3]; triangle_count];
         for edge in 0..self.len() as u32 {
@@ -151,7 +152,7 @@ impl Edges {
     }
 }
 
-/// The half-edge after this one in its triangle: it starts at the corner where this one ends.
+/// Returns the next half-edge of the triangle: it starts at the corner where `half_edge` ends.
 pub(crate) fn next_half_edge(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
 }
@@ -168,7 +169,7 @@ fn for_each_half_edge(corner_points: &[[u32; 3]], point_count: usize, mut visit:
     }
 }
 
-/// Sorts by high end, then direction, then half-edge. Points are below 2^30, so all three fit.
+/// Key sorting by high end, then direction, then half-edge. Points are below 2^30, so all three fit.
 fn key(half_edge: u32, from: u32, to: u32) -> u64 {
     u64::from(from.max(to)) << 33 | u64::from(from > to) << 32 | u64::from(half_edge)
 }

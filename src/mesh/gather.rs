@@ -1,10 +1,10 @@
-//! A mesh of some vertices of another.
+//! Submeshes: selected vertices of a mesh with their attributes and locks.
 
 use super::{Mesh, NONE};
 
 impl Mesh {
-    /// A mesh of the vertices in `order`, which all exist, with their attributes and locks, and of triangles and materials
-    /// that fit them. O(output).
+    /// Builds a mesh of the vertices in `order`, which must all exist, with their attributes and locks. `triangles`
+    /// index the new vertices; `materials` fit `triangles`. O(output).
     pub(crate) fn gather(&self, order: &[u32], triangles: Vec<[u32; 3]>, materials: Vec<u32>) -> Self {
         Self {
             positions: order.iter().map(|&v| self.positions[v as usize]).collect(),
@@ -21,7 +21,7 @@ impl Mesh {
         }
     }
 
-    /// A mesh of the vertices that triangles use, in their order here, with their attributes and locks. O(n).
+    /// Builds a mesh of the vertices used by `triangles`, in the order of this mesh, with attributes and locks. O(n).
     pub(crate) fn gather_used(&self, triangles: &[[u32; 3]], materials: Vec<u32>) -> Self {
         let Used { vertices, number } = Used::new(self.positions.len(), triangles);
         let triangles = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
@@ -29,16 +29,16 @@ impl Mesh {
     }
 }
 
-/// The vertices that triangles use.
+/// The vertices used by a list of triangles.
 pub(crate) struct Used {
-    /// In ascending order.
+    /// Used vertices, ascending.
     pub vertices: Vec<u32>,
-    /// Per vertex its place among them, or `NONE`.
+    /// Index into `vertices` by vertex; `NONE` if unused.
     pub number: Vec<u32>,
 }
 
 impl Used {
-    /// Of triangles that name some of `count` vertices.
+    /// Collects the vertices used by `triangles`, out of `count` vertices.
     pub fn new(count: usize, triangles: &[[u32; 3]]) -> Self {
         let mut number = vec![NONE; count];
         triangles.as_flattened().iter().for_each(|&v| number[v as usize] = 0);

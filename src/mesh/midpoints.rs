@@ -1,4 +1,4 @@
-//! Vertices in the middle of two others, and normals from the triangles.
+//! Vertices at the midpoint of two others, and smooth normals from triangles.
 
 use glam::DVec3;
 
@@ -6,8 +6,8 @@ use super::blend::Blender;
 use super::{Attribute, Mesh, Topology, names};
 
 impl Mesh {
-    /// The same with vertices put in the middle of two others, one after the other. Values that cannot be blended are those
-    /// of the first.
+    /// Moves vertices to the midpoint of two others and blends their values, in order. Labels are copied from the first
+    /// end.
     pub(crate) fn with_midpoints(mut self, ends: impl Iterator<Item = (u32, [u32; 2])> + Clone) -> Self {
         for (vertex, [a, b]) in ends.clone() {
             let [a, b] = [a, b].map(|end| self.positions[end as usize]);
@@ -19,20 +19,20 @@ impl Mesh {
         self
     }
 
-    /// The same with other positions, as many and all finite.
+    /// Replaces the positions by as many finite positions.
     pub(crate) fn with_positions(mut self, positions: Vec<[f32; 3]>) -> Self {
         debug_assert_eq!(positions.len(), self.positions.len());
         self.positions = positions;
         self
     }
 
-    /// Positions, to be replaced by finite ones.
+    /// Positions for writing. New positions must be finite.
     pub(crate) fn positions_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.positions
     }
 
-    /// The same with normals that are the means of the triangles around each position, by area; vertices at one position get
-    /// the same. Instead of those that there are.
+    /// Replaces the normals by area-weighted means of the triangles around each position. Vertices at equal positions
+    /// get equal normals.
     pub(crate) fn with_smooth_normals(mut self) -> Self {
         let topology = Topology::new(&self);
         let point_of = topology.point_of();

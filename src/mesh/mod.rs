@@ -1,20 +1,20 @@
-//! What comes in: positions, triangles, attribute streams, and what can be known about them.
+//! The input mesh: positions, triangles and attribute streams, and their analysis.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `mod.rs` | [`Mesh`], validated once and infallible afterwards |
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
-//! | `blend.rs` | what a vertex between two others carries |
+//! | `blend.rs` | blends of two vertices' attributes |
 //! | `creases.rs` | [`Creases`]: normals from the triangles, smooth up to an angle |
-//! | `topology.rs` | [`Topology`]: which vertices share a position, and which are the same wedge |
-//! | `tolerances.rs` | [`Tolerances`]: up to which differences wedges are one |
+//! | `topology.rs` | [`Topology`]: points (vertices at equal positions) and wedges (equal vertices) |
+//! | `tolerances.rs` | [`Tolerances`]: the largest differences within a wedge |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
 //! | `edges.rs` | [`Edges`]: every edge once, with the half-edges along it |
-//! | `gather.rs` | a mesh of some vertices of another |
-//! | `midpoints.rs` | vertices in the middle of two others, and normals from the triangles |
-//! | `near.rs` | positions that nearly coincide: [`Mesh::welded`] |
+//! | `gather.rs` | submeshes: selected vertices with their attributes |
+//! | `midpoints.rs` | vertices at the midpoint of two others, smooth normals |
+//! | `near.rs` | nearly coincident positions: [`Mesh::welded`] |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
-//! | `vertices.rs` | a mesh from the vertex and index buffers that an engine draws |
+//! | `vertices.rs` | meshes from an engine's vertex and index buffers |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
 mod adjacency;
@@ -50,21 +50,21 @@ use glam::Vec3A;
 
 use crate::error::MeshError;
 
-/// Most vertices, and most triangles, that a [`Mesh`] holds: 2^30, so that three corners a triangle and one flag
-/// bit a vertex still fit 32 bits.
+/// Maximum number of vertices, and of triangles, of a [`Mesh`]: 2^30. The number of a corner (3 per triangle), and a
+/// vertex index with a flag bit, then fit 32 bits.
 pub const MAX_ELEMENTS: usize = 1 << 30;
 
-/// Stands for "none" in every index array of this crate.
+/// Marks "none" in every index array of this crate.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// An indexed triangle mesh: positions, triangles, and optional streams of values.
+/// An indexed triangle mesh: positions, triangles, and optional attribute streams, materials and locks.
 ///
-/// Anything that passes [`Mesh::new`] is legal input everywhere in this crate: open borders, non-manifold edges and
-/// vertices, clashing orientation, several components, duplicate and degenerate triangles, vertices that no triangle
-/// uses, and no triangles at all.
+/// Every mesh accepted by [`Mesh::new`] is legal input everywhere in this crate: open borders, non-manifold edges and
+/// vertices, clashing orientation, several components, duplicate and degenerate triangles, unused vertices, no
+/// triangles at all.
 ///
-/// *Topology apart from values*: triangles index vertices; vertices that share a position (bit for bit) are one
-/// *point*, and those that share all attribute values too are one *wedge* ([`Topology`]).
+/// *Topology apart from values*: triangles index vertices. Vertices at equal positions (-0 equals 0) form a *point*.
+/// Vertices of a point with equal attribute values (bit for bit) form a *wedge* ([`Topology`]).
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]
@@ -79,9 +79,12 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh from positions (object units) and triangles (vertex indices, counter-clockwise seen from outside), for those who
-    /// have both apart. Vertices at the same position are one unless an attribute tells them apart: where a seam duplicates
-    /// vertices, say so by [`Mesh::with_attribute`], or take [`Mesh::from_vertices`], which compares whole vertices.
+    /// Builds a mesh from positions (object units) and triangles (vertex indices, counter-clockwise seen from outside).
+    /// O(n).
+    ///
+    /// Vertices at equal positions are a single wedge unless an attribute differs. Where a seam duplicates vertices,
+    /// add the differing attribute with [`Mesh::with_attribute`], or use [`Mesh::from_vertices`], which compares whole
+    /// vertices.
     ///
     /// ```
     /// use multires::Mesh;
@@ -92,7 +95,8 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// The first non-finite position, index out of range, or element count beyond [`MAX_ELEMENTS`]. O(n).
+    /// Reports the first non-finite position, the first index out of range, or an element count beyond
+    /// [`MAX_ELEMENTS`].
     pub fn new(
         positions: impl Into<Vec<[f32; 3]>>,
         triangles: impl Into<Vec<[u32; 3]>>,
@@ -115,10 +119,10 @@ impl Mesh {
         Ok(Self { positions, triangles, ..Self::default() })
     }
 
-    /// The same mesh with one more attribute stream.
+    /// Adds an attribute stream.
     ///
     /// # Errors
-    /// The stream's length is not `width * vertices`, its width is not 1 to 16, or its name is taken.
+    /// Fails if the stream's length is not `width * vertices`, its width is not 1 to 16, or its name is taken.
     pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, MeshError> {
         attribute.check(self.positions.len())?;
         if self.attribute(attribute.name()).is_some() {
@@ -128,10 +132,10 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with a material id per triangle (an empty vector: none).
+    /// Sets a material id per triangle. An empty vector removes all ids.
     ///
     /// # Errors
-    /// As many ids as triangles are needed.
+    /// Fails if the number of ids is neither 0 nor the number of triangles.
     pub fn with_materials(mut self, materials: impl Into<Vec<u32>>) -> Result<Self, MeshError> {
         let materials = materials.into();
         if !materials.is_empty() {
@@ -141,18 +145,18 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with names for its material ids: id `i` is called `names[i]`.
+    /// Sets the names of material ids: id `i` is called `names[i]`.
     #[must_use]
     pub fn with_material_names(mut self, names: impl Into<Vec<String>>) -> Self {
         self.material_names = names.into();
         self
     }
 
-    /// The same mesh with a lock per vertex (an empty vector: none). A locked vertex is never moved nor removed, nor
-    /// is any vertex at its position.
+    /// Sets a lock per vertex. An empty vector removes all locks. A locked vertex, and every vertex at its position, is
+    /// never moved nor removed.
     ///
     /// # Errors
-    /// As many locks as vertices are needed.
+    /// Fails if the number of locks is neither 0 nor the number of vertices.
     pub fn with_locks(mut self, locks: impl Into<Vec<bool>>) -> Result<Self, MeshError> {
         let locks = locks.into();
         if !locks.is_empty() {
@@ -162,13 +166,15 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh whose positions are said to be relative to a point: `position + origin` is where a vertex lies in the
-    /// world, in double precision. Default: 0. Single precision has 24 bits, so a mesh in map coordinates keeps its shape
-    /// only beside an origin of its own. What is made of a mesh (levels, structures) keeps its origin; nothing but files
-    /// looks at it ([`io`](crate::io), where that feature is on).
+    /// Sets the origin of the positions, default 0. A vertex lies at `position + origin` in the world, in double
+    /// precision.
+    ///
+    /// Single precision has 24 bits: a mesh in map coordinates keeps its shape only relative to an origin nearby.
+    /// Everything derived from a mesh (levels, structures) keeps the origin. Only files use it ([`io`](crate::io), if
+    /// the feature is on).
     ///
     /// # Errors
-    /// An origin that is not finite.
+    /// Fails if the origin is not finite.
     pub fn with_origin(mut self, origin: [f64; 3]) -> Result<Self, MeshError> {
         if !origin.iter().all(|x| x.is_finite()) {
             return Err(MeshError::NonFiniteOrigin { origin });
@@ -177,15 +183,16 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same places relative to another origin: to compare meshes of different origins, move one to the other's.
+    /// Moves the positions to another origin; vertices keep their places in the world, up to rounding. To compare
+    /// meshes of different origins, move both to the same origin.
     ///
     /// # Errors
-    /// An origin that is not finite, or one so far off that a position is not.
+    /// Fails if the origin is not finite, or lies so far off that a position is not finite.
     pub fn moved_to(&self, origin: [f64; 3]) -> Result<Self, MeshError> {
         let mut moved = self.clone().with_origin(origin)?;
         for (vertex, position) in moved.positions.iter_mut().enumerate() {
             for axis in 0..3 {
-                // The difference first: both are large, and near each other.
+                // Subtract the origins first: both are large, and near each other.
                 position[axis] = (f64::from(position[axis]) + (self.origin[axis] - origin[axis])) as f32;
             }
             if !position.iter().all(|x| x.is_finite()) {
@@ -195,20 +202,20 @@ impl Mesh {
         Ok(moved)
     }
 
-    /// The same mesh relative to another one's origin, from which it was made.
+    /// Takes the origin of `other`, from which this mesh was made.
     pub(crate) fn at_origin_of(mut self, other: &Self) -> Self {
         self.origin = other.origin;
         self
     }
 
-    /// The same with other values of the same attributes.
+    /// Replaces the values of the attributes: the streams are new, their names stay.
     pub(crate) fn with_attributes(mut self, attributes: Vec<Attribute>) -> Self {
         debug_assert!(attributes.iter().all(|a| a.check(self.positions.len()).is_ok()));
         self.attributes = attributes;
         self
     }
 
-    /// A mesh from parts that are known to fit together: made from another mesh's.
+    /// Builds a mesh from parts known to fit together, since they come from another mesh. Origin 0.
     pub(crate) fn from_trusted(
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
@@ -220,22 +227,22 @@ impl Mesh {
         Self { positions, triangles, attributes, materials, material_names, locks, origin: [0.0; 3] }
     }
 
-    /// What positions are relative to ([`Mesh::with_origin`]).
+    /// Returns the origin of the positions ([`Mesh::with_origin`]).
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Positions in object units, one per vertex.
+    /// Positions by vertex, object units.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
 
-    /// Vertex indices, one triple per triangle.
+    /// Triangles: three vertex indices each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The vertex indices as one flat slice, as graphics interfaces take them.
+    /// Vertex indices as a flat slice, as graphics interfaces take them.
     pub fn indices(&self) -> &[u32] {
         self.triangles.as_flattened()
     }
@@ -245,12 +252,12 @@ impl Mesh {
         &self.attributes
     }
 
-    /// The attribute of that name (see [`names`] for the customary ones).
+    /// Finds an attribute by name ([`names`] lists customary names).
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.name() == name)
     }
 
-    /// Material id per triangle; empty where the mesh has no materials.
+    /// Material id per triangle; empty if the mesh has no materials.
     pub fn materials(&self) -> &[u32] {
         &self.materials
     }
@@ -260,17 +267,17 @@ impl Mesh {
         &self.material_names
     }
 
-    /// Lock per vertex; empty where nothing is locked.
+    /// Lock per vertex; empty if nothing is locked.
     pub fn locks(&self) -> &[bool] {
         &self.locks
     }
 
-    /// Smallest and largest corner of the box around all vertices that a triangle uses; `None` without triangles.
+    /// Returns `[low, high]`, the bounding box of all vertices used by triangles; `None` without triangles.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         self.box_of(self.indices())
     }
 
-    /// The box around some vertices, which all exist.
+    /// Returns the bounding box of `vertices`, which must all exist; `None` if there are none.
     pub(crate) fn box_of(&self, vertices: &[u32]) -> Option<[[f32; 3]; 2]> {
         let mut used = vertices.iter().map(|&v| Vec3A::from(self.positions[v as usize]));
         let first = used.next()?;
@@ -278,8 +285,8 @@ impl Mesh {
         Some([low.into(), high.into()])
     }
 
-    /// Length of the diagonal of [`Mesh::bounds`] in object units; 0 without triangles. In double precision, so that
-    /// boxes of any finite size have a finite diagonal.
+    /// Length of the diagonal of [`Mesh::bounds`] in object units; 0 without triangles. Double precision: finite for
+    /// every finite box.
     pub fn diagonal(&self) -> f64 {
         self.bounds().map_or(0.0, |[low, high]| {
             (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
@@ -296,7 +303,7 @@ impl Mesh {
     }
 }
 
-/// What a mesh is made of, to let serde validate on the way in.
+/// The fields of a [`Mesh`], so that serde validates on the way in.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Parts {
@@ -328,7 +335,7 @@ impl TryFrom<Parts> for Mesh {
             .with_material_names(parts.material_names)
             .with_locks(parts.locks)?
             .with_origin(parts.origin)?;
-        // Names in order, so that very many of them do not cost the square of their number.
+        // Sorted names: a great many attributes must not cost quadratic time.
         let mut names: Vec<&str> = parts.attributes.iter().map(Attribute::name).collect();
         names.sort_unstable();
         if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {

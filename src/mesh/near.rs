@@ -1,4 +1,4 @@
-//! Positions that nearly coincide: each snapped to a representative within a distance, by a grid.
+//! Welding of nearly coincident positions: each snaps to a representative within a distance, found by a grid.
 //!
 //! ```text
 //!     +-----------+-----------+      cells several distances wide: what is within the distance mostly lies in one cell,
@@ -8,29 +8,32 @@
 //!     +-----------+-----------+            there is none
 //! ```
 //!
-//! Items are looked at in order, and a position is only ever snapped to one that stays where it is: so nothing moves by
-//! more than the distance, however long a row of positions is. Cells are sorted, not hashed: no input makes them collide.
+//! Items are processed in order. A position snaps only to a representative, which never moves: no position moves by
+//! more than the distance, however long a row of positions is. Cells are sorted, not hashed: no input makes them
+//! collide.
 
 use super::{Edges, Mesh, NONE, Topology};
 
-/// Border points are one within this share of the shortest edge at either: far less than where a cut starts to matter.
+/// Border points merge only within this share of the shortest edge at either: far less than where a cut starts to
+/// matter.
 const SHARE_OF_EDGE: f64 = 0.25;
 /// More than the distance between any two positions of single precision.
 const FARTHEST: f64 = 2e39;
 
-/// The grid: distances in the side of a cell, and how many representatives of one are looked at, the latest first.
+/// The grid: side of a cell in units of the distance, and how many representatives per cell are compared, the latest
+/// first.
 struct Grid {
     side: f64,
     most: usize,
 }
 
-/// Where representatives lie no nearer to each other than the distance: there are at most a few hundred in a cell.
+/// For representatives at least the distance apart: a cell holds at most a few hundred.
 const DENSE: Grid = Grid { side: 4.0, most: usize::MAX };
-/// Where hardly any two positions lie within the distance. Of pairs that are held apart any number may lie in a cell.
+/// For positions of which hardly any two lie within the distance. Pairs held apart may crowd a cell in any number.
 const SPARSE: Grid = Grid { side: 16.0, most: 64 };
 
-/// For each position the one whose place it takes, an earlier one or itself: the nearest representative within the lesser
-/// of both positions' reaches, which are at most `distance`. O(n log n).
+/// Returns the representative of each position: the nearest earlier representative within `distance` and within the
+/// `reach` of both, or the position itself. O(n log n).
 fn representatives(
     positions: &[[f32; 3]],
     distance: f64,
@@ -38,7 +41,7 @@ fn representatives(
     reach: impl Fn(usize) -> f64,
 ) -> Vec<u32> {
     let mut representative: Vec<u32> = (0..positions.len() as u32).collect();
-    // Between different numbers of single precision there is no less.
+    // No two different single-precision numbers are closer than this.
     if distance.is_nan() || distance < f64::from(f32::from_bits(1)) {
         return representative;
     }
@@ -60,7 +63,7 @@ fn representatives(
         cell_of[item as usize] = cells.len() as u32 - 1;
     }
 
-    // Per cell its latest representative, and per representative the one before it in its cell.
+    // Per cell its latest representative; per representative the previous representative in its cell.
     let mut latest = vec![NONE; cells.len()];
     let mut earlier = vec![NONE; positions.len()];
     let some = |item: u32| (item != NONE).then_some(item);
@@ -77,11 +80,11 @@ fn representatives(
                 }
             }
         };
-        // A little more than the distance, for rounding.
+        // Slightly more than the distance, for rounding.
         let ends = [-1.000_001, 1.000_001].map(|d| cell(position.map(|x| f64::from(x) + d * distance)));
         for corner in 0..8 {
             let axes = [0, 1, 2].map(|axis| corner >> axis & 1);
-            // Where both ends are one cell it is looked at once.
+            // Where both ends lie in the same cell, visit it once.
             if (0..3).any(|axis| axes[axis] == 1 && ends[0][axis] == ends[1][axis]) {
                 continue;
             }
@@ -104,8 +107,8 @@ fn apart(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>().sqrt()
 }
 
-/// For each point the one on whose place it falls, itself where there is none: points on open borders that lie within
-/// `distance` of each other and within a quarter of the shortest edge at either. O(triangles + border log border).
+/// Returns the twin of each point, or the point itself: an earlier point on an open border, within `distance` and
+/// within a quarter of the shortest edge at either. O(triangles + border log border).
 pub(crate) fn border_twins(
     mesh: &Mesh,
     topology: &Topology,
@@ -120,7 +123,7 @@ pub(crate) fn border_twins(
     }
     let place = |point: u32| mesh.positions()[topology.vertex_of_point()[point as usize] as usize];
     let positions: Vec<[f32; 3]> = border.iter().map(|&point| place(point)).collect();
-    // Mostly there are none, and edges need not be looked at.
+    // Mostly there are no twins, and edges need not be visited.
     let all = representatives(&positions, distance, &SPARSE, |_| distance);
     if all.iter().zip(0..).all(|(&to, item)| to == item) {
         return twin;
@@ -148,8 +151,8 @@ pub(crate) fn border_twins(
     twin
 }
 
-/// Border points that nearly coincide with another, and the distance that would weld them; looked for up to 1e-6 of the
-/// diagonal, or [`rounding`] where that is more.
+/// Returns the number of border points with a twin, and the distance that welds them. Searches within 1e-6 of the
+/// diagonal, or [`rounding`] if that is more.
 pub(super) fn near_twins(mesh: &Mesh, topology: &Topology, edges: &Edges) -> (usize, f64) {
     let mut is_border = vec![false; topology.point_count()];
     for edge in (0..edges.len() as u32).filter(|&edge| edges.is_border(edge)) {
@@ -163,7 +166,7 @@ pub(super) fn near_twins(mesh: &Mesh, topology: &Topology, edges: &Edges) -> (us
     (pairs().count(), farthest)
 }
 
-/// So many steps of 2^-23 of the largest coordinate in use, object units.
+/// Returns `steps` times 2^-23 of the largest coordinate in use, object units.
 pub(crate) fn rounding(mesh: &Mesh, steps: f32) -> f64 {
     let largest =
         mesh.bounds().map_or(0.0, |box_| box_.as_flattened().iter().fold(0.0, |m: f32, x| m.max(x.abs())));
@@ -171,14 +174,14 @@ pub(crate) fn rounding(mesh: &Mesh, steps: f32) -> f64 {
 }
 
 impl Mesh {
-    /// The mesh with positions that lie within `distance` (object units) of each other made equal, so that they are one
-    /// point: cracks between parts that were meant to touch close.
+    /// Moves vertices within `distance` (object units) of each other to equal positions: they become a single point,
+    /// and cracks between parts meant to touch close. O(n log n).
     ///
-    /// In the order of their numbers, each point takes the place of the nearest earlier one within the distance that kept
-    /// its own, or keeps its own. So none moves by more than `distance`, and a row of close vertices does not fall
-    /// into one. Vertices stay as many, with their attributes: where these differ, the point has several wedges. Triangles
-    /// stay too; those shorter than the distance become degenerate, which no structure draws. A distance that is 0, below
-    /// or no number changes nothing. O(n log n).
+    /// Processes points in ascending order. Each point moves to the nearest earlier unmoved point within `distance`, or
+    /// stays. No point moves by more than `distance`, and a row of close vertices does not collapse to a point. All
+    /// vertices and triangles stay. Where attributes differ at a point, it has several wedges. Triangles shorter than
+    /// `distance` become degenerate; structures do not draw degenerate triangles. A distance of 0, below 0 or NaN
+    /// changes nothing.
     ///
     /// ```
     /// use multires::mesh::{Mesh, Report};
@@ -196,7 +199,7 @@ impl Mesh {
         let at: Vec<[f32; 3]> =
             topology.vertex_of_point().iter().map(|&v| self.positions[v as usize]).collect();
         let to = representatives(&at, distance, &DENSE, |_| distance);
-        // Positions that keep their place keep their bits, negative zeros too.
+        // A point that stays keeps its bits, negative zeros too.
         let place = |(position, &point): (&[f32; 3], &u32)| match to[point as usize] {
             own if own == point => *position,
             other => at[other as usize],

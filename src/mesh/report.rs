@@ -6,8 +6,8 @@
 //!     non-manifold edge     three or more          component               triangles joined by shared vertices
 //! ```
 //!
-//! Edges, fans and Euler characteristic leave out triangles that name a vertex twice: they have no area and no three
-//! edges. Everything is counted in O(n log n) at worst.
+//! Edges, fans and Euler characteristic leave out triangles naming a vertex twice: they have no area and fewer than
+//! three edges. All counts take O(n log n) at worst.
 
 use std::fmt;
 
@@ -15,57 +15,57 @@ use super::edges::next_half_edge;
 use super::near::near_twins;
 use super::{Edges, Mesh, NONE, Topology, names};
 
-/// What a mesh is made of. All counts are of *vertices* as [`Report::new`] or [`Report::welded`] understands them.
+/// Counts of the parts of a mesh. *Vertices* are stored vertices ([`Report::new`]) or points ([`Report::welded`]).
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Report {
-    /// Vertices, whether a triangle uses them or not.
+    /// Vertices, used by triangles or not.
     pub vertices: usize,
-    /// Triangles as stored, degenerate ones included.
+    /// Triangles as stored, degenerate triangles included.
     pub triangles: usize,
-    /// Edges with one triangle.
+    /// Edges with 1 triangle.
     pub border_edges: usize,
-    /// Edges with three triangles or more.
+    /// Edges with 3 or more triangles.
     pub non_manifold_edges: usize,
-    /// Vertices whose triangles form more than one fan.
+    /// Vertices whose triangles form more than 1 fan.
     pub non_manifold_vertices: usize,
-    /// Edges with two triangles that run along them the same way.
+    /// Edges with 2 triangles running along them in the same direction.
     pub flipped_edges: usize,
     /// Sets of triangles joined by shared vertices.
     pub components: usize,
-    /// Used vertices less edges plus faces, triangles that name a vertex twice left out.
+    /// `used vertices - edges + faces`, without triangles naming a vertex twice.
     pub euler_characteristic: i64,
-    /// Stored vertices less distinct positions, welded or not.
+    /// `stored vertices - distinct positions`, welded or not.
     pub duplicate_vertices: usize,
-    /// Triangles on the same three vertices as an earlier one, in any order.
+    /// Triangles on the same three vertices as an earlier triangle, in any order.
     pub duplicate_triangles: usize,
-    /// Triangles that name a vertex twice, or whose area is at most 1e-10 of the square of their longest edge.
+    /// Triangles naming a vertex twice, or with `area <= 1e-10 * (longest edge)^2`.
     pub degenerate_triangles: usize,
-    /// Vertices that no triangle uses.
+    /// Vertices used by no triangle.
     pub unused_vertices: usize,
-    /// Positions at which triangles see more than one texture coordinate (the first set).
+    /// Positions with more than 1 texture coordinate (first set) among their triangles.
     pub seam_vertices: usize,
-    /// Stored vertices that differ from one another in position or any attribute, bit for bit.
+    /// Number of distinct stored vertices, compared by position and all attributes.
     pub wedges: usize,
-    /// Points on open borders that nearly coincide with another, an earlier one: within 1e-6 of the diagonal, or 8 steps of
-    /// 2^-23 of the largest coordinate where that is more, and within a quarter of the shortest edge at either. Where a
-    /// surface should be closed, its sides were computed twice.
+    /// Border points nearly coincident with an earlier border point: within 1e-6 of the diagonal (or 8 steps of 2^-23
+    /// of the largest coordinate, if more), and within a quarter of the shortest edge at either. On a surface meant to
+    /// be closed, near twins are sides computed twice.
     pub near_twins: usize,
-    /// The distance that makes each of them one point with its twin ([`Mesh::welded`]), object units; 0 where there are none.
+    /// Distance at which [`Mesh::welded`] merges all near twins, object units; 0 without near twins.
     pub twin_distance: f64,
-    /// Length of the diagonal of the box around all used vertices, object units.
+    /// Length of the diagonal of the bounding box of all used vertices, object units.
     pub diagonal: f64,
 }
 
 impl Report {
-    /// Counts by stored vertex: what is joined is what shares an index.
+    /// Counts by stored vertex: triangles are joined where they share an index.
     pub fn new(mesh: &Mesh) -> Self {
         let topology = Topology::new(mesh);
         Self::count(mesh, &topology, mesh.triangles(), mesh.positions().len())
     }
 
-    /// Counts by point: vertices at the same position (bit for bit) count as one.
+    /// Counts by point: vertices at equal positions (-0 equals 0) count once.
     pub fn welded(mesh: &Mesh) -> Self {
         let topology = Topology::new(mesh);
         let corner_points: Vec<_> =
@@ -113,19 +113,19 @@ impl Report {
         }
     }
 
-    /// Whether no edge is a border. True without triangles too.
+    /// Whether no edge is a border. True for a mesh without triangles.
     pub fn is_closed(&self) -> bool {
         self.border_edges == 0
     }
 
-    /// Whether every edge has at most two triangles and every vertex one fan of them, so that the surface is a
-    /// manifold, with border or without. Says nothing of orientation, nor of geometry.
+    /// Whether every edge has at most 2 triangles and every vertex 1 fan of triangles: a manifold, with border or
+    /// without. Does not check orientation or geometry.
     pub fn is_manifold(&self) -> bool {
         self.non_manifold_edges == 0 && self.non_manifold_vertices == 0
     }
 
-    /// The number of handles, summed over the components; `None` unless the surface is closed, manifold, and
-    /// consistently oriented, and there is one.
+    /// Returns the number of handles, summed over the components. `None` without triangles, or unless the surface is
+    /// closed, manifold and consistently oriented.
     pub fn genus(&self) -> Option<u32> {
         let whole = self.triangles > 0 && self.is_closed() && self.is_manifold() && self.flipped_edges == 0;
         let doubled = 2 * self.components as i64 - self.euler_characteristic;
@@ -133,7 +133,7 @@ impl Report {
     }
 }
 
-/// A block of aligned lines: a count, its parts indented below it.
+/// Writes a block of aligned lines: a count, its parts indented below it.
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counts = [
@@ -167,7 +167,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// A count with commas between the thousands.
+/// Formats a count with commas between thousands.
 fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -190,7 +190,7 @@ fn mark_used(corner_points: &[[u32; 3]], vertices: usize) -> Vec<bool> {
     used
 }
 
-/// Sets of vertices joined by triangles, those of one unused vertex included.
+/// Counts the sets of vertices joined by triangles. An unused vertex is a set of its own.
 fn components(corner_points: &[[u32; 3]], vertices: usize) -> usize {
     let mut sets = Sets::new(vertices);
     for &[a, b, c] in corner_points {
@@ -200,7 +200,7 @@ fn components(corner_points: &[[u32; 3]], vertices: usize) -> usize {
     sets.count()
 }
 
-/// Joins the corners at both ends of every edge into fans, and counts vertices with more than one.
+/// Joins the corners at both ends of every edge into fans. Counts vertices with more than 1 fan.
 fn non_manifold_vertices(corner_points: &[[u32; 3]], vertices: usize, edges: &Edges) -> usize {
     let mut fans = Sets::new(3 * corner_points.len());
     for edge in 0..edges.len() as u32 {
@@ -232,7 +232,8 @@ fn non_manifold_vertices(corner_points: &[[u32; 3]], vertices: usize, edges: &Ed
     many.iter().filter(|&&m| m).count()
 }
 
-/// Triangles that repeat an earlier one's three vertices. Looked for at the edge between a triangle's two lowest.
+/// Counts triangles on the same three vertices as an earlier triangle. Compares triangles at the edge between their two
+/// lowest vertices.
 fn duplicate_triangles(corner_points: &[[u32; 3]], edges: &Edges) -> usize {
     let mut duplicates = 0;
     let mut opposite = Vec::new();
@@ -250,7 +251,7 @@ fn duplicate_triangles(corner_points: &[[u32; 3]], edges: &Edges) -> usize {
     duplicates
 }
 
-/// In double precision, in which no finite input overflows.
+/// Computes in double precision, where no finite input overflows.
 fn degenerate_triangles(mesh: &Mesh, corner_points: &[[u32; 3]]) -> usize {
     let is_flat = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|v| glam::Vec3::from(mesh.positions()[v as usize]).as_dvec3());
@@ -275,7 +276,7 @@ fn seam_vertices(mesh: &Mesh, topology: &Topology) -> usize {
     seam.iter().filter(|&&s| s).count()
 }
 
-/// Disjoint sets. The lowest item leads, so that nothing depends on the order of joining.
+/// Disjoint sets, led by the lowest item: the result does not depend on the order of joining.
 struct Sets {
     parent: Vec<u32>,
 }

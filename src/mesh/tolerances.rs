@@ -1,4 +1,4 @@
-//! How far apart values may be and still be one: by stream, in the unit that people judge it by.
+//! Largest differences between equal values, by stream, in the unit people judge the stream by.
 //!
 //! ```text
 //!     normal, tangent    degrees between directions         joints, ids      exact
@@ -7,33 +7,33 @@
 //!                                                                            on open borders alone
 //! ```
 //!
-//! Two wedges are one where all their streams agree. Defaults are one step of 16-bit storage: what a vertex buffer or a
-//! compressed file does not tell apart, no simplification should keep apart.
+//! Two wedges are equal if all their streams agree. Defaults are one step of 16-bit storage: simplification should not
+//! separate values equal in a vertex buffer or a compressed file.
 
 use super::{Attribute, AttributeValues, Mesh, names};
 
-/// Up to which differences vertices at one point are one wedge, and border points that nearly coincide are one point.
+/// Largest differences between vertices of a point that form a single wedge, and between border points that merge.
 ///
-/// `f32::INFINITY` leaves a kind of stream out of the comparison, as [`Tolerances::without`] does for one stream; 0 asks
-/// for equal values.
+/// 0 asks for equal values. `f32::INFINITY` leaves a kind of stream out of the comparison; [`Tolerances::without`]
+/// leaves out a single stream.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Tolerances {
-    /// Between normals and between tangents, degrees, 0 to 180 (and beyond: any). Default 0.003: the diagonal of a cell of
-    /// three 16-bit numbers from -1 to 1. Handedness must be equal.
+    /// Between normals and between tangents, degrees, 0 to 180 (180 or more: any values agree). Default 0.003: the
+    /// diagonal of a cell of three 16-bit numbers from -1 to 1. Below 180, handedness must be equal.
     pub normal: f32,
     /// Between texture coordinates, texels in each direction. Default 1.
     pub uv: f32,
-    /// Texels along a side of the texture. It covers coordinates from 0 to 1, or the range of the stream where that is
-    /// wider. Default 65,536.
+    /// Texels along a side of the texture. The texture covers coordinates from 0 to 1, or the stream's range if wider.
+    /// Default 65,536.
     pub texture_size: f32,
-    /// Between colours, steps of 1/255 in each channel. Default 1/257, which is one step of 16 bits.
+    /// Between colours, steps of 1/255 in each channel. Default 1/257: a step of 16 bits.
     pub color: f32,
-    /// Between values of all other streams of floats, a share of the larger value's largest component. Default 2^-16.
+    /// Between values of all other float streams, as a share of the largest component of both values. Default 2^-16.
     pub relative: f32,
-    /// Between points on open borders, steps of 2^-23 of the mesh's largest coordinate. Default 8: about what sine and
-    /// cosine of a full turn lose. Points are never merged over more than a quarter of the shortest edge at either, so
-    /// the ends of an edge that is as short as that stay two points.
+    /// Between points on open borders, steps of 2^-23 of the mesh's largest coordinate. Default 8: about the rounding
+    /// of sine and cosine over a full turn. Points merge only within a quarter of the shortest edge at either, so a
+    /// very short edge keeps both ends.
     pub position: f32,
     ignored: Vec<String>,
 }
@@ -53,67 +53,67 @@ impl Default for Tolerances {
 }
 
 impl Tolerances {
-    /// Equal values only, bit for bit.
+    /// Accepts equal values only, bit for bit.
     pub fn exact() -> Self {
         Self { normal: 0.0, uv: 0.0, color: 0.0, relative: 0.0, position: 0.0, ..Self::default() }
     }
 
-    /// Degrees between normals and between tangents.
+    /// Sets the degrees between normals and between tangents.
     #[must_use]
     pub fn with_normal(mut self, degrees: f32) -> Self {
         self.normal = degrees;
         self
     }
 
-    /// Texels between texture coordinates.
+    /// Sets the texels between texture coordinates.
     #[must_use]
     pub fn with_uv(mut self, texels: f32) -> Self {
         self.uv = texels;
         self
     }
 
-    /// Texels along a side of the texture.
+    /// Sets the texels along a side of the texture.
     #[must_use]
     pub fn with_texture_size(mut self, texels: f32) -> Self {
         self.texture_size = texels;
         self
     }
 
-    /// Steps of 1/255 between colours.
+    /// Sets the steps of 1/255 between colours.
     #[must_use]
     pub fn with_color(mut self, steps: f32) -> Self {
         self.color = steps;
         self
     }
 
-    /// Share of the value by which other floats may differ.
+    /// Sets the share of the value by which other floats may differ.
     #[must_use]
     pub fn with_relative(mut self, share: f32) -> Self {
         self.relative = share;
         self
     }
 
-    /// Steps of 2^-23 of the largest coordinate between border points.
+    /// Sets the steps of 2^-23 of the largest coordinate between border points.
     #[must_use]
     pub fn with_position(mut self, steps: f32) -> Self {
         self.position = steps;
         self
     }
 
-    /// Leaves a stream out of the comparison, labels too: wedges that differ in it alone become one, which has the values
-    /// of the lowest vertex.
+    /// Leaves a stream out of the comparison, labels too. Wedges differing in it alone merge and take the values of the
+    /// lowest vertex.
     #[must_use]
     pub fn without(mut self, name: impl Into<String>) -> Self {
         self.ignored.push(name.into());
         self
     }
 
-    /// Whether a stream is left out by [`Tolerances::without`].
+    /// Whether [`Tolerances::without`] leaves out a stream.
     pub fn ignores(&self, name: &str) -> bool {
         self.ignored.iter().any(|ignored| ignored == name)
     }
 
-    /// The first tolerance that is outside its range: its name, its value and the range.
+    /// Returns name, value and valid range of the first tolerance outside its range.
     pub(crate) fn out_of_range(&self) -> Option<(&'static str, f32, &'static str)> {
         let all = [
             ("normal tolerance", self.normal),
@@ -130,40 +130,40 @@ impl Tolerances {
         }
     }
 
-    /// Whether nothing but equal values is one, in any stream.
+    /// Whether wedges must be equal in every stream, bit for bit.
     fn is_exact(&self) -> bool {
         [self.normal, self.uv, self.color, self.relative].iter().all(|&t| t == 0.0)
     }
 }
 
-/// How the values of one stream are compared.
+/// Comparison rule of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Rule {
     /// Bit for bit.
     Exact,
-    /// The chord between directions, as a share of the longer; the rest exactly.
+    /// Chord between directions, as a share of the longer direction. Other components must be equal.
     Direction(f64),
-    /// Each component.
+    /// Difference of each component.
     Absolute(f64),
-    /// Each component, as a share of the largest of both values.
+    /// Difference of each component, as a share of the largest component of both values.
     Relative(f64),
 }
 
-/// The streams of a mesh that are compared, each with its rule.
+/// The compared streams of a mesh, each with its rule.
 pub(super) struct Comparison<'a> {
     streams: Vec<(&'a Attribute, Rule)>,
     is_exact: bool,
 }
 
 impl<'a> Comparison<'a> {
-    /// O(texture coordinates), for their range.
+    /// Computes the rule of each stream. O(texture coordinates), for their range.
     pub fn new(mesh: &'a Mesh, tolerances: &Tolerances) -> Self {
         let streams = mesh.attributes().iter().filter(|stream| !tolerances.ignores(stream.name()));
         let streams = streams.filter_map(|stream| Some((stream, rule(stream, tolerances)?)));
         Self { streams: streams.collect(), is_exact: tolerances.is_exact() }
     }
 
-    /// Whether only equal values are one.
+    /// Whether wedges must be equal in every compared stream, bit for bit.
     pub fn is_exact(&self) -> bool {
         self.is_exact || self.streams.iter().all(|(_, rule)| *rule == Rule::Exact)
     }
@@ -190,7 +190,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// The rule of a stream; `None` where any two values are one.
+/// Returns the rule of a stream; `None` if any two values agree.
 fn rule(stream: &Attribute, tolerances: &Tolerances) -> Option<Rule> {
     let AttributeValues::Float(values) = stream.values() else { return Some(Rule::Exact) };
     let set = |customary: &str| {
@@ -220,7 +220,7 @@ fn rule(stream: &Attribute, tolerances: &Tolerances) -> Option<Rule> {
 }
 
 impl Rule {
-    /// Of values that are not equal bit for bit. Values that are not finite are near nothing.
+    /// Whether two values agree that are not equal bit for bit. Values that are not finite never agree.
     fn accepts(self, a: &[f32], b: &[f32]) -> bool {
         let difference = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)).abs();
         let both = || a.iter().zip(b);

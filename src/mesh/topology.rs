@@ -1,4 +1,4 @@
-//! Which vertices share a position, and which are the same in every value.
+//! Points (vertices at equal positions) and wedges (vertices equal in every value).
 //!
 //! ```text
 //!     vertex   what an index names: a position and one value of every attribute
@@ -6,14 +6,14 @@
 //!     point    vertices equal in position; a seam or crease is a point with several wedges
 //! ```
 //!
-//! Points are by exact equality (with -0 equal to 0), so welding never moves anything. Wedges are by equality bit for bit
-//! ([`Topology::new`]), or to within tolerances ([`Topology::with`]).
+//! Points are exact (-0 equals 0): welding never moves a vertex. Wedges are equal bit for bit ([`Topology::new`]), or
+//! within tolerances ([`Topology::with`]).
 
 use super::tolerances::Comparison;
 use super::{Attribute, Mesh, NONE, Tolerances};
 
-/// Wedges of a point that a vertex is compared with, the lowest first: enough for any corner of a real model, and few
-/// enough that a point of very many wedges costs no square of their number.
+/// Maximum number of a point's wedges compared with a vertex, the lowest first: enough for any corner of a real model,
+/// and no quadratic time at a point of very many wedges.
 const MOST_COMPARED: usize = 64;
 
 /// Points and wedges of a mesh. Built in O(n) expected time; 12 bytes a vertex.
@@ -25,17 +25,17 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Welds the vertices of a mesh, by equality bit for bit.
+    /// Finds the points and wedges of a mesh. Wedges are equal bit for bit.
     pub fn new(mesh: &Mesh) -> Self {
         Self::with(mesh, &Tolerances::exact())
     }
 
-    /// Welds the vertices of a mesh: at each point, wedges that agree within the tolerances are one.
+    /// Finds the points and wedges of a mesh. Vertices of a point within the tolerances are a single wedge.
     ///
-    /// In the order of their numbers, each vertex joins the lowest earlier vertex that names a wedge and agrees with it,
-    /// or names a wedge itself. So every wedge lies within the tolerances of the vertex that names it, however closely
-    /// the values of a ring of vertices follow each other. Of a point's wedges the 64 lowest are compared; to later
-    /// ones only equal vertices are welded. Points are exact: [`Tolerances::position`] is not looked at.
+    /// Processes vertices in ascending order. Each vertex joins the lowest wedge whose naming vertex agrees within the
+    /// tolerances, or names a new wedge. So every wedge lies within the tolerances of its naming vertex, even where
+    /// values drift along a ring of vertices. Only the 64 lowest wedges of a point are compared; later wedges accept
+    /// only equal vertices. Points are exact: [`Tolerances::position`] is not used.
     pub fn with(mesh: &Mesh, tolerances: &Tolerances) -> Self {
         let positions: Vec<[u32; 3]> = mesh.positions().iter().map(|p| p.map(position_word)).collect();
         let leader = group(positions.len(), |v| hash(positions[v]), |a, b| positions[a] == positions[b]);
@@ -67,8 +67,8 @@ impl Topology {
         Self { point_of, wedge_of, vertex_of_point }
     }
 
-    /// The same with points merged: `twin` names for each point an earlier one, or itself. At a point of several places the
-    /// place is that of the lowest vertex. Wedges that agree within the tolerances become one. O(vertices).
+    /// Merges points: `twin[p]` is an earlier point, or `p` itself. A merged point lies at its lowest vertex. Wedges
+    /// within the tolerances merge. O(vertices).
     pub(crate) fn with_twins(&self, mesh: &Mesh, tolerances: &Tolerances, twin: &[u32]) -> Self {
         let mut number = vec![NONE; twin.len()];
         let mut vertex_of_point = Vec::with_capacity(twin.len());
@@ -87,7 +87,7 @@ impl Topology {
         Self { point_of, wedge_of, vertex_of_point }
     }
 
-    /// The points of three vertices.
+    /// Returns the points of three vertices.
     pub(super) fn points(&self, corners: [u32; 3]) -> [u32; 3] {
         corners.map(|v| self.point_of[v as usize])
     }
@@ -102,18 +102,18 @@ impl Topology {
         self.wedge_of.iter().enumerate().filter(|&(v, &w)| v as u32 == w).count()
     }
 
-    /// The point of every vertex. Points are numbered in order of their lowest vertex.
+    /// Point of every vertex. Points are numbered in order of their lowest vertex.
     pub fn point_of(&self) -> &[u32] {
         &self.point_of
     }
 
-    /// The vertex that names the wedge of each vertex: the lowest one equal to it in position and all attributes, or
-    /// within the tolerances of it.
+    /// Naming vertex of each vertex's wedge: the lowest vertex equal to it in position and all attributes, or within
+    /// the tolerances of it.
     pub fn wedge_of(&self) -> &[u32] {
         &self.wedge_of
     }
 
-    /// The lowest vertex equal to each vertex in position and in one attribute.
+    /// Returns, for each vertex, the lowest vertex equal in position and in a single attribute.
     pub(crate) fn equal_values(&self, attribute: &Attribute) -> Vec<u32> {
         let count = self.point_of.len();
         if self.vertex_of_point.len() == count {
@@ -128,15 +128,15 @@ impl Topology {
         })
     }
 
-    /// The lowest vertex at every point.
+    /// Lowest vertex at every point.
     pub fn vertex_of_point(&self) -> &[u32] {
         &self.vertex_of_point
     }
 }
 
-/// Joins wedges of a point that are near each other: each to the lowest that keeps its name. O(wedges).
+/// Merges near wedges of a point: each joins the lowest near wedge that keeps its name. O(wedges).
 fn join_near(wedge_of: &mut [u32], point_of: &[u32], points: usize, near: impl Fn(u32, u32) -> bool) {
-    // Per point the wedges that keep their names, in order: first and last, and per wedge the next.
+    // Wedges that keep their names, as lists: first and last per point, next per wedge.
     let mut ends = vec![[NONE; 2]; points];
     let mut next = vec![NONE; wedge_of.len()];
     for vertex in 0..wedge_of.len() as u32 {
@@ -161,7 +161,7 @@ fn join_near(wedge_of: &mut [u32], point_of: &[u32], points: usize, near: impl F
     }
 }
 
-/// The bits of a coordinate, with both zeros the same.
+/// The bits of a coordinate; -0 becomes 0.
 fn position_word(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }
@@ -177,7 +177,7 @@ pub(super) fn mix(x: u64) -> u64 {
     (product as u64) ^ (product >> 64) as u64
 }
 
-/// For every item the lowest item equal to it: open addressing over a table of at least twice the items.
+/// Returns, for each item, the lowest item equal to it. Open addressing over a table of at least twice as many slots.
 pub(super) fn group(
     count: usize,
     hash: impl Fn(usize) -> u64,

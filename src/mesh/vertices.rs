@@ -1,4 +1,4 @@
-//! A mesh from what an engine has: one array of vertices of any type, one of indices, and ranges of materials.
+//! Meshes from an engine's buffers: vertices of any type, indices, and ranges of materials.
 
 use std::ops::Range;
 
@@ -15,15 +15,15 @@ impl Index for u16 {}
 impl Index for u32 {}
 
 impl Mesh {
-    /// A mesh from the vertex and index buffers that an engine draws: vertices of any type without padding, three indices a
-    /// triangle, counter-clockwise seen from outside. `position` gives a vertex's position in object units.
+    /// Builds a mesh from an engine's vertex and index buffers. Vertices have any type without padding. Three indices
+    /// make a triangle, counter-clockwise seen from outside. `position` returns a vertex's position in object units.
+    /// O(n) expected time.
     ///
-    /// Vertices that are equal byte for byte are one wedge, and no others: where several vertices share a position but
-    /// differ in a byte (a normal, a texture coordinate, a colour, a joint) there is a seam, which the simplifier keeps.
-    /// The mesh then has an attribute [`names::VERTEX`] that tells them apart. Its vertices are numbered as yours are.
+    /// Vertices equal byte for byte are a single wedge; all others are different wedges. Vertices at equal positions
+    /// with a differing byte (a normal, a texture coordinate, a colour, a joint) form a seam, and the simplifier keeps
+    /// it. The mesh then has an attribute [`names::VERTEX`] to tell them apart. Vertices keep their numbers.
     ///
-    /// Values that should *count* when detail is taken away, or be fitted, are given as attributes besides
-    /// ([`Attribute::of`]).
+    /// Add values as attributes ([`Attribute::of`]) if they should *count* in simplification or be fitted.
     ///
     /// ```
     /// use multires::mesh::{Attribute, Mesh, names};
@@ -55,7 +55,7 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// As many indices as make no whole number of triangles; what [`Mesh::new`] refuses. O(n) expected time.
+    /// Fails if the number of indices is not a multiple of 3, or where [`Mesh::new`] fails.
     pub fn from_vertices<V: NoUninit>(
         vertices: &[V],
         indices: &[impl Index],
@@ -85,11 +85,12 @@ impl Mesh {
         mesh.with_attribute(Attribute::new(names::VERTEX, 1, AttributeValues::Uint(first)))
     }
 
-    /// The same mesh with materials by ranges of *indices*, as an engine's draw calls name them: the triangles of range `i`
-    /// are of material `i`.
+    /// Sets materials by ranges of *indices*, as an engine's draw calls name them: triangles of range `i` get material
+    /// `i`. O(n).
     ///
     /// # Errors
-    /// A range is not one of whole triangles, or a triangle is in no range or in several. O(n).
+    /// Fails if a range does not hold whole triangles or exceeds the indices, or if a triangle is in no range or in
+    /// several.
     pub fn with_material_ranges(self, ranges: &[Range<usize>]) -> Result<Self, MeshError> {
         let count = self.triangles().len();
         let mut materials = vec![u32::MAX; count];
@@ -111,8 +112,8 @@ impl Mesh {
     }
 }
 
-/// Those of pairs of duplicates that nothing in the mesh tells apart, both used by triangles. Bit for bit: zeros of both signs are
-/// one place but different values. O(n).
+/// Filters pairs of vertices: keeps pairs used by triangles and equal in position and all attributes, bit for bit
+/// (zeros of both signs are equal positions but different values). O(n).
 pub(crate) fn folded(mesh: &Mesh, duplicates: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
     let mut used = vec![false; mesh.positions().len()];
     mesh.indices().iter().for_each(|&v| used[v as usize] = true);
@@ -126,8 +127,7 @@ pub(crate) fn folded(mesh: &Mesh, duplicates: impl Iterator<Item = [u32; 2]>) ->
     duplicates.filter(are_one).collect()
 }
 
-/// Whether values follow the mesh that they belong to: those of vertices that were `folded` into one because nothing told them
-/// apart must not differ.
+/// Checks that values do not differ between `folded` vertices: the mesh merged each pair, as nothing told them apart.
 pub(crate) fn check_folded<V: NoUninit>(values: &[V], folded: &[[u32; 2]]) -> Result<(), MeshError> {
     let bytes = |v: u32| values.get(v as usize).map(bytemuck::bytes_of);
     match folded.iter().find(|[duplicate, kept]| bytes(*duplicate) != bytes(*kept)) {
@@ -136,7 +136,7 @@ pub(crate) fn check_folded<V: NoUninit>(values: &[V], folded: &[[u32; 2]]) -> Re
     }
 }
 
-/// Of a point and the bytes of a vertex.
+/// Hashes a point and the bytes of a vertex.
 fn hash(point: u64, bytes: &[u8]) -> u64 {
     let words = bytes.chunks(8).map(|chunk| {
         let mut word = [0; 8];

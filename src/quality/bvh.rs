@@ -1,17 +1,17 @@
-//! The surface of a mesh in a hierarchy of boxes: nearest point, and first hit along a ray.
+//! The surface of a mesh in a bounding volume hierarchy: nearest point, and first hit along a ray.
 //!
 //! ```text
 //!   mesh --drop degenerate--> --sort by hash of the box--> --one primitive per box--> locally ordered clustering
 //! ```
 //!
-//! The tree comes from [`obvhs`] (Meister and Bittner, "Parallel Locally-Ordered Clustering", TVCG 2018), which pairs
-//! neighbours that prefer each other. Many equal boxes all prefer the same neighbour, one pair a round: O(n^2).
-//! Sorting by a hash brings equal boxes together, where they become one primitive, and shuffles the rest, so that no
-//! order of the input survives to make such a chain.
+//! [`obvhs`] builds the tree (Meister and Bittner, "Parallel Locally-Ordered Clustering", TVCG 2018): mutually nearest
+//! neighbours become pairs. Many equal boxes all prefer the same neighbour, so each round makes a single pair: O(n^2).
+//! Sorting by a hash brings equal boxes together, and equal boxes become a single primitive. It also shuffles the
+//! remaining boxes, so no order of the input can cause such a chain.
 //!
-//! Boxes are single precision in a frame of their own (centred, scaled by a power of two to lie in -1..1). Triangles
-//! are tested in double precision in object units, so the answers are exact to rounding wherever the mesh lies and
-//! whatever its size; the boxes' rounding only widens the search.
+//! Boxes are single precision in their own frame (centred, scaled by a power of two to lie in -1..1). Triangles are
+//! tested in double precision in object units: answers are exact to rounding for a mesh of any position and size.
+//! Rounding of the boxes only widens the search.
 
 use glam::{DVec3, Vec3A};
 use obvhs::{
@@ -28,17 +28,17 @@ use super::{
     triangle::{Corners, closest_on_triangle, has_area, hit_triangle},
 };
 
-/// Boxes are widened by this much (frame units), far more than a coordinate's rounding.
+/// Margin added to boxes (frame units), far larger than the rounding of a coordinate.
 const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
-/// Queries farther than this from the frame's centre (frame units) are moved in to it along their direction, where
-/// boxes can still be told apart. From so far away the surface's width is a matter of 1 / FAR^2: what lies nearest to
-/// the nearer point is nearest to the farther one to within that share of the distance.
+/// Largest distance of a query from the frame's centre (frame units). A farther query is moved to this distance along
+/// its direction, where boxes can still be told apart. From there the surface's width matters by 1 / FAR^2: the point
+/// nearest to the moved query is nearest to the original query to within that share of the distance.
 const FAR: f64 = (1 << 12) as f64;
 
-/// The surface of a mesh: its triangles that have an area, coincident ones once.
+/// The surface of a mesh: its triangles with an area, coincident triangles once.
 ///
-/// Triangles are renumbered into *slots* in the order of the tree's leaves: slots that are near in number are near in
-/// space. 36 bytes a slot and at most 96 for the nodes. Built in O(n log n).
+/// Triangles are renumbered into *slots* in the order of the tree's leaves: slots near in number are near in space. 40
+/// bytes a slot and at most 96 for the nodes. Built in O(n log n).
 #[derive(Debug)]
 pub(crate) struct Bvh {
     nodes: Vec<Bvh2Node>,
@@ -55,25 +55,25 @@ struct Frame {
     scale: f64,
 }
 
-/// The point of a surface nearest to some point.
+/// The point of a surface nearest to a query point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Closest {
-    /// Slot of its triangle.
+    /// Slot of the triangle containing the point.
     pub slot: u32,
-    /// Where it is, object units.
+    /// The nearest point, object units.
     pub point: DVec3,
-    /// Distance squared, object units.
+    /// Squared distance from the query point, object units.
     pub distance_squared: f64,
 }
 
-/// Where a ray first meets a surface.
+/// First intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RayHit {
-    /// Slot of the triangle.
+    /// Slot of the triangle hit.
     pub slot: u32,
-    /// Weights of its corners.
+    /// Barycentric weights of the triangle's corners.
     pub weights: [f64; 3],
-    /// Distance along the ray in units of its direction.
+    /// Distance along the ray, in lengths of its direction.
     pub t: f64,
 }
 
@@ -86,14 +86,15 @@ impl Boundable for PrimitiveBox {
 }
 
 impl Bvh {
-    /// The surface of a mesh; `None` where no triangle has an area.
+    /// Builds the hierarchy of a mesh; `None` if no triangle has an area.
     pub(crate) fn new(mesh: &Mesh) -> Option<Self> {
         let kept: Vec<u32> =
             (0..mesh.triangles().len() as u32).filter(|&t| has_area(&corners_of(mesh, t))).collect();
         let frame = Frame::around(kept.iter().flat_map(|&t| corners_of(mesh, t)))?;
         let boxes: Vec<Aabb> = kept.iter().map(|&t| frame.bounds(&corners_of(mesh, t))).collect();
 
-        // Per primitive its run of `order`; equal boxes share one, coincident triangles after the first are left out.
+        // For each primitive its run of `order`. Equal boxes share a primitive; only the first of coincident triangles
+        // is kept.
         let (order, runs) = group_by_box(mesh, &kept, &boxes);
         let primitives: Vec<PrimitiveBox> = runs
             .windows(2)
@@ -120,7 +121,7 @@ impl Bvh {
         }))
     }
 
-    /// Lays the triangles out in the order of the leaves, and points the leaves at them.
+    /// Stores the triangles in the order of the leaves, and points the leaves at them.
     fn with_leaf_order<I: Iterator<Item = u32>>(
         mesh: &Mesh,
         tree: Bvh2,
@@ -158,44 +159,44 @@ impl Bvh {
         self.corners.len()
     }
 
-    /// A length about that of the surface, object units: half to all of its box's longest side.
+    /// Returns a power of two between half the longest side of the surface's box and that side, object units.
     pub(crate) fn size(&self) -> f64 {
         1.0 / self.frame.scale
     }
 
-    /// A length below which points of the surface cannot be told apart, object units: what double precision rounds
-    /// of its coordinates, many times over, and next to nothing beside what single precision tells apart.
+    /// Returns the length below which points of the surface cannot be told apart, object units: many times the rounding
+    /// of its coordinates in double precision, far below the spacing of single precision.
     pub(crate) fn touch(&self) -> f64 {
         64.0 * f64::EPSILON * (self.frame.centre.abs().max_element() + self.size())
     }
 
-    /// The corners of a slot's triangle.
+    /// Returns the corners of a slot's triangle.
     pub(crate) fn corners(&self, slot: u32) -> Corners {
         self.corners[slot as usize].map(wide)
     }
 
-    /// The mesh's triangle of every slot.
+    /// Returns the mesh triangle of each slot.
     pub(crate) fn triangle_of(&self) -> &[u32] {
         &self.triangle_of
     }
 
-    /// Something to ask many questions with.
+    /// Returns a walker for many queries.
     pub(crate) fn walker(&self) -> Walker<'_> {
         Walker { bvh: self, near: Vec::with_capacity(64), hint: NONE }
     }
 }
 
-/// Asks a surface many questions: holds the stack, and where the last answer was.
+/// Queries a surface many times: holds the stack, and the slot of the last nearest point.
 pub(crate) struct Walker<'a> {
     bvh: &'a Bvh,
-    /// First child of a pair of nodes, and the pair's bound: distance squared, or distance along the ray.
+    /// First child of a pair of nodes, and the pair's lower bound: distance squared, or distance along the ray.
     near: Vec<(u32, f32)>,
     hint: u32,
 }
 
 impl Walker<'_> {
-    /// The point of the surface nearest to `point`. Fastest when consecutive questions are near each other: the last
-    /// answer's triangle bounds the search from the start. O(log n) expected.
+    /// Returns the point of the surface nearest to `point`. Fastest when consecutive queries are near each other: the
+    /// triangle of the last answer bounds the search from the start. O(log n) expected.
     pub(crate) fn closest(&mut self, point: DVec3) -> Closest {
         let bvh = self.bvh;
         let mut query = bvh.frame.to_frame(point);
@@ -206,7 +207,7 @@ impl Walker<'_> {
             searched = bvh.frame.to_object(query);
         }
         let q = query.as_vec3a();
-        // The query's own rounding, and that of the differences below.
+        // Rounding of the query and of the differences below.
         let slack = reach.clamp(1.0, FAR) * f64::from(BOX_MARGIN);
         let bound = |best: &Closest| -> f32 {
             let widened = best.distance_squared.sqrt() * bvh.frame.scale + slack;
@@ -272,8 +273,8 @@ impl Walker<'_> {
         if reach > FAR { bvh.closest_on_slot(best.slot, point) } else { best }
     }
 
-    /// Calls `visit` with the slot of every triangle that contains a point of the surface, to within
-    /// [`Bvh::touch`]; always in the same order. O(log n) expected, and the triangles around it.
+    /// Calls `visit` with the slot of every triangle within [`Bvh::touch`] of `point`, a point of the surface; always
+    /// in the same order. O(log n) expected, plus the triangles around the point.
     pub(crate) fn touching(&mut self, point: DVec3, mut visit: impl FnMut(u32)) {
         let bvh = self.bvh;
         let q = bvh.frame.to_frame(point).as_vec3a();
@@ -297,8 +298,8 @@ impl Walker<'_> {
         }
     }
 
-    /// Calls `visit` with the slots after `slot` whose boxes meet its box; always in the same order. O(log n) expected, and
-    /// what lies around it.
+    /// Calls `visit` with each slot after `slot` in leaves whose box meets the box of `slot`; always in the same order.
+    /// O(log n) expected, plus the leaves met.
     pub(crate) fn overlapping(&mut self, slot: u32, mut visit: impl FnMut(u32)) {
         let bvh = self.bvh;
         let own = bvh.frame.bounds(&bvh.corners(slot));
@@ -306,7 +307,7 @@ impl Walker<'_> {
         self.near.push((0, 0.0));
         while let Some((index, _)) = self.near.pop() {
             let node = &bvh.nodes[index as usize];
-            // The boxes' margin is wider than what rounding takes.
+            // The boxes' margin is wider than the rounding.
             let apart = node.aabb.min.cmpgt(own.max) | node.aabb.max.cmplt(own.min);
             if apart.any() {
                 continue;
@@ -320,8 +321,8 @@ impl Walker<'_> {
         }
     }
 
-    /// Where the ray first meets the surface, from either side, at `0 < t < reach`. A direction of length 0 meets
-    /// nothing. O(log n) expected.
+    /// Returns where the ray first meets the surface, from either side, at `0 < t < reach`; `None` for a direction of
+    /// length 0. O(log n) expected.
     pub(crate) fn first_hit(&mut self, origin: DVec3, direction: DVec3, reach: f64) -> Option<RayHit> {
         let bvh = self.bvh;
         let d = direction.normalize_or_zero();
@@ -334,13 +335,13 @@ impl Walker<'_> {
         }
         let skipped = (middle - half_chord.sqrt()).max(0.0);
         let start = (o + d * skipped).as_vec3a();
-        // Nowhere 0, so that 0 times infinity cannot happen.
+        // Never 0, so 0 * infinity cannot occur.
         let inverse =
             DVec3::from_array(d.to_array().map(|x| 1.0 / if x.abs() < 1e-20 { 1e-20 } else { x })).as_vec3a();
         // Frame distance from `start` is t * per_t - skipped.
         let per_t = direction.length() * bvh.frame.scale;
 
-        // On an edge of two triangles the mesh's first, however the tree was built.
+        // On an edge shared by two triangles, the mesh's first triangle wins, for any shape of the tree.
         let before = |a: u32, b: u32| bvh.triangle_of[a as usize] < bvh.triangle_of[b as usize];
         let mut best: Option<RayHit> = None;
         let in_frame = |t: f64| (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
@@ -401,7 +402,7 @@ impl Bvh {
 }
 
 impl Frame {
-    /// The frame in which the points lie in -1..1; `None` without points or with a single one.
+    /// Returns the frame in which the points lie in -1..1; `None` without points or if all coincide.
     fn around(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         let (low, high) =
             points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
@@ -409,7 +410,7 @@ impl Frame {
         if !(half.is_finite() && half > 0.0) {
             return None;
         }
-        // The next power of two by its exponent, which is exact where a logarithm is not.
+        // The next power of two from the exponent bits: exact, unlike a logarithm.
         let exponent = half.to_bits() >> 52;
         Some(Self { centre: low + (high - low) * 0.5, scale: f64::from_bits((2045 - exponent) << 52) })
     }
@@ -435,8 +436,8 @@ fn corners_of(mesh: &Mesh, triangle: u32) -> Corners {
     mesh.triangles()[triangle as usize].map(|v| wide(mesh.positions()[v as usize]))
 }
 
-/// Items of `kept` sorted by a hash of their box, coincident ones once, and where each run of equal boxes starts (one
-/// more than runs). Two boxes of equal hash share a run too: slower, not wrong.
+/// Returns the items of `kept` sorted by a hash of their box, coincident triangles once, and the start of each run of
+/// equal boxes (plus the end of the last run). Boxes whose hashes collide share a run: slower, but correct.
 fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32>) {
     let word = |x: f32| u64::from((x + 0.0).to_bits());
     let corner_hash = |v: u32| hash::words(mesh.positions()[v as usize].map(word));
@@ -444,7 +445,7 @@ fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32
         .map(|item| {
             let Aabb { min, max } = boxes[item];
             let of_box = hash::words([min.x, min.y, min.z, max.x, max.y, max.z].map(word));
-            // A sum, so that the order and the sense of the corners do not count.
+            // A sum, so the order and orientation of the corners do not matter.
             let of_corners = mesh.triangles()[kept[item] as usize]
                 .iter()
                 .fold(0u64, |sum, &v| sum.wrapping_add(corner_hash(v)));
@@ -463,7 +464,7 @@ fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32
     (sorted.into_iter().map(|(_, _, item)| item).collect(), runs)
 }
 
-/// Whether two triangles have the same three corners, in any order.
+/// Tests if two triangles have the same three corners, in any order.
 fn coincident(mesh: &Mesh, a: u32, b: u32) -> bool {
     let corners = |t: u32| mesh.triangles()[t as usize].map(|v| mesh.positions()[v as usize]);
     let (a, b) = (corners(a), corners(b));
@@ -476,7 +477,7 @@ fn box_distance_squared(node: &Bvh2Node, q: Vec3A) -> f32 {
     outside.length_squared()
 }
 
-/// Where the ray enters a box (0: starts inside), infinity where it misses.
+/// Returns where the ray enters a box (0: starts inside); infinity if it misses.
 #[inline]
 fn box_entry(node: &Bvh2Node, start: Vec3A, inverse: Vec3A) -> f32 {
     let (low, high) = ((node.aabb.min - start) * inverse, (node.aabb.max - start) * inverse);

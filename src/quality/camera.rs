@@ -1,4 +1,4 @@
-//! Where a picture is taken from: a pinhole camera, placed by hand or so that a mesh fills the picture.
+//! A pinhole camera, placed by hand or framing a mesh.
 
 use glam::DVec3;
 
@@ -6,31 +6,32 @@ use crate::mesh::Mesh;
 
 use super::QualityError;
 
-/// Room left around a framed mesh: share of the picture's half side.
+/// Margin around a framed mesh, as a share of the picture's half side.
 const MARGIN: f64 = 0.08;
 
 /// A pinhole camera. Right-handed: with `up` along y, looking along -z, x is to the right.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Camera {
-    /// Where it is, object units.
+    /// Position of the eye, object units.
     pub eye: [f64; 3],
-    /// What is in the middle of the picture; not where the eye is.
+    /// Point shown in the middle of the picture, object units; must differ from `eye`.
     pub target: [f64; 3],
-    /// What is up in the picture; default y. Along the line of sight another axis stands in.
+    /// Direction shown upward in the picture; default y. If it is parallel to the line of sight, another axis replaces
+    /// it.
     pub up: [f64; 3],
-    /// Angle that the picture's shorter side spans, radians, more than 0 and less than pi; default 0.5 (29 degrees).
+    /// Angle spanned by the picture's shorter side, radians, more than 0 and less than pi; default 0.5 (29 degrees).
     pub field_of_view: f64,
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`.
+    /// Creates a camera at `eye`, looking at `target`.
     pub fn new(eye: [f64; 3], target: [f64; 3]) -> Self {
         Self { eye, target, up: [0.0, 1.0, 0.0], field_of_view: 0.5 }
     }
 
-    /// A camera that looks along `direction` (of any length) from where the mesh just fills a square picture. Without
-    /// triangles a box of 2 units about the origin stands in; for a direction of no length, -z. O(n).
+    /// Creates a camera looking along `direction` (of any length) from where the mesh just fills a square picture. For
+    /// a mesh without triangles it frames a box of side 2 about the origin. A direction of length 0 means -z. O(n).
     pub fn framing(mesh: &Mesh, direction: [f64; 3]) -> Self {
         let forward = DVec3::from_array(direction).try_normalize().unwrap_or(DVec3::NEG_Z);
         let axes = axes(forward, DVec3::Y);
@@ -39,7 +40,7 @@ impl Camera {
 
         // A point at x to the right and depth z is inside the left and right planes of a camera at cx, cz where
         //     x - cx <= slope (z - cz)   and   cx - x <= slope (z - cz);
-        // the tightest of each over all points give the largest cz and its cx, and so for up.
+        // the tightest of each over all points gives the largest cz and its cx, and likewise for up.
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut planes = [f64::NEG_INFINITY; 4];
         let mut include = |p: DVec3| {
@@ -59,7 +60,7 @@ impl Camera {
         }
         let depth = |a: f64, b: f64| -(a + b) / (2.0 * slope);
         let size = (high - low).length();
-        // Never at the mesh itself, however narrow it is along the line of sight.
+        // Never at the mesh itself, even if the mesh is flat along the line of sight.
         let room = if size > 0.0 { 0.1 * size } else { 1.0 };
         let depth = depth(planes[0], planes[1]).min(depth(planes[2], planes[3])).min(low.z - room);
         let at = |z: f64| {
@@ -71,14 +72,14 @@ impl Camera {
         camera
     }
 
-    /// With another direction up.
+    /// Sets the up direction.
     #[must_use]
     pub fn with_up(mut self, up: [f64; 3]) -> Self {
         self.up = up;
         self
     }
 
-    /// With another angle across the shorter side, radians. The eye stays where it is.
+    /// Sets the angle spanned by the shorter side, radians. The eye stays in place.
     #[must_use]
     pub fn with_field_of_view(mut self, field_of_view: f64) -> Self {
         self.field_of_view = field_of_view;
@@ -105,7 +106,7 @@ impl Camera {
     }
 }
 
-/// A camera and a picture's size, ready for use.
+/// A camera and a picture's size, prepared for projecting.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
     pub eye: DVec3,
@@ -116,14 +117,14 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Unit direction through a point of the picture, in pixels from the top left.
+    /// Returns the unit direction through a point of the picture, in pixels from the top left.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let (right, up) =
             ((x - self.middle[0]) / self.pixels_per_slope, (self.middle[1] - y) / self.pixels_per_slope);
         (self.axes[2] + self.axes[0] * right + self.axes[1] * up).normalize()
     }
 
-    /// Where a point is in the picture, in pixels from the top left; `None` behind the eye.
+    /// Returns where a point appears in the picture, in pixels from the top left; `None` behind the eye.
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
         let p = point - self.eye;
         let depth = p.dot(self.axes[2]);
@@ -134,7 +135,7 @@ impl View {
     }
 }
 
-/// Right, up and forward of a view, orthonormal.
+/// Returns right, up and forward of a view, orthonormal.
 pub(super) fn axes(forward: DVec3, up: DVec3) -> [DVec3; 3] {
     let right = forward.cross(up);
     let right = if right.length() > 1e-6 { right.normalize() } else { forward.any_orthonormal_vector() };

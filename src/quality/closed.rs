@@ -1,11 +1,11 @@
-//! Whether a surface is closed and agrees on what is outside; where it does not, the edge at fault.
+//! Tests if a surface is closed and consistently oriented; names the first edge at fault otherwise.
 
 use crate::mesh::{Mesh, Topology};
 
 use super::QualityError;
 
-/// Nothing where every edge between two positions is run through as often one way as the other; else the first edge
-/// that is not. Sides of no length do not count. O(n log n).
+/// Checks that each edge between two positions is traversed equally often in both directions. The error names the first
+/// edge for which this fails. Sides of length 0 do not count. O(n log n).
 pub(crate) fn check_closed(mesh: &Mesh, which: &'static str) -> Result<(), QualityError> {
     let topology = Topology::new(mesh);
     let mut sides: Vec<(u64, bool)> = Vec::with_capacity(3 * mesh.triangles().len());

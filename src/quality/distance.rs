@@ -1,4 +1,4 @@
-//! How far two surfaces are apart: Metro's two one-sided distances.
+//! Distance between two surfaces: Metro's two one-sided distances.
 //!
 //! ```text
 //!     a  ~~o~~~~~o~~~~o~~     sample a, find the nearest point of b for every sample: max, mean, rms
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Source: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified surfaces", Computer Graphics Forum
-//! 17(2), 1998. Mean and rms are over samples of equal area; the maximum is also over all corners of triangles and
-//! over samples along all edges, where it is most often attained, and from there it is closed in on (`maximum.rs`).
+//! 17(2), 1998. Mean and rms are over samples of equal area. The maximum is also over all corners of triangles and over
+//! samples along all edges, where it is most often attained. Branch and bound refines it from there (`maximum.rs`).
 
 use glam::DVec3;
 
@@ -16,13 +16,13 @@ use crate::mesh::Mesh;
 
 use super::{QualityError, bvh::Walker, maximum::largest, sums::Sums, surface::Surface};
 
-/// What to sample a [`distance`] and its kin with.
+/// Number and seed of the samples of [`distance`] and related measures.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DistanceOptions {
-    /// Samples on the faces of each mesh, 1 to 2^32 - 1; default 500,000. A quarter as many again go along its edges.
+    /// Samples on the faces of each mesh, 1 to 2^32 - 1; default 500,000. A quarter as many are added along its edges.
     pub samples: usize,
-    /// Which samples: another seed jitters them differently within the same shares of area; default 0.
+    /// Seed of the jitter: another seed moves samples within the same shares of area; default 0.
     pub seed: u64,
 }
 
@@ -33,14 +33,14 @@ impl Default for DistanceOptions {
 }
 
 impl DistanceOptions {
-    /// With this many samples on the faces of each mesh.
+    /// Sets the number of samples on the faces of each mesh.
     #[must_use]
     pub fn with_samples(mut self, samples: usize) -> Self {
         self.samples = samples;
         self
     }
 
-    /// With other samples.
+    /// Sets the seed of the samples' jitter.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -48,27 +48,27 @@ impl DistanceOptions {
     }
 }
 
-/// Distance from one surface to another, object units.
+/// Distance from a surface to another surface, object units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct OneSided {
-    /// Largest distance found: the one-sided Hausdorff distance, from below.
+    /// Largest distance found: a lower bound of the one-sided Hausdorff distance.
     pub max: f64,
-    /// A proven bound for it, from above. Within 0.1 % of `max`, or 1e-9 of the larger surface's size, unless more pieces of
-    /// the surface than there are samples would have to be looked at for that.
+    /// Proven upper bound of the one-sided Hausdorff distance. Within 0.1 % of `max`, or 1e-9 of the larger surface's
+    /// size, unless reaching this precision takes more pieces of the surface than there are samples.
     pub max_bound: f64,
     /// Mean distance over the area.
     pub mean: f64,
     /// Root of the mean square distance over the area.
     pub rms: f64,
-    /// Where on the sampled surface the largest distance is.
+    /// Point of the sampled surface where the largest distance was found.
     pub max_at: [f64; 3],
-    /// The point of the other surface nearest to `max_at`.
+    /// Point of the other surface nearest to `max_at`.
     pub max_to: [f64; 3],
-    /// Samples on faces, which mean and rms are taken over.
+    /// Samples on faces: mean and rms are taken over these.
     pub face_samples: usize,
-    /// Corners and samples along edges, which only the maximum heeds.
+    /// Corners and samples along edges: only the maximum uses these.
     pub edge_samples: usize,
 }
 
@@ -77,67 +77,67 @@ pub struct OneSided {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distance {
-    /// From the first to the second.
+    /// Distance from the first surface to the second.
     pub forward: OneSided,
-    /// From the second to the first.
+    /// Distance from the second surface to the first.
     pub backward: OneSided,
-    /// Diagonal of the first mesh's box ([`Mesh::diagonal`]), which [`percent`](Self::percent) refers to.
+    /// Diagonal of the first mesh's box ([`Mesh::diagonal`]); [`percent`](Self::percent) refers to it.
     pub diagonal: f64,
 }
 
 impl Distance {
-    /// The Hausdorff distance: the larger of both maxima, from below.
+    /// Returns the larger of both maxima: a lower bound of the Hausdorff distance.
     pub fn hausdorff(&self) -> f64 {
         self.forward.max.max(self.backward.max)
     }
 
-    /// A proven bound for the Hausdorff distance, from above: no point of either surface is farther from the other.
+    /// Returns a proven upper bound of the Hausdorff distance: no point of either surface is farther from the other.
     pub fn hausdorff_bound(&self) -> f64 {
         self.forward.max_bound.max(self.backward.max_bound)
     }
 
-    /// Mean of both directions' means.
+    /// Returns the mean of both directions' means.
     pub fn mean(&self) -> f64 {
         (self.forward.mean + self.backward.mean) * 0.5
     }
 
-    /// Root of the mean of both directions' mean squares.
+    /// Returns the root of the mean of both directions' mean squares.
     pub fn rms(&self) -> f64 {
         ((self.forward.rms.powi(2) + self.backward.rms.powi(2)) * 0.5).sqrt()
     }
 
-    /// A length in percent of the first mesh's diagonal.
+    /// Converts a length to percent of the first mesh's diagonal.
     pub fn percent(&self, length: f64) -> f64 {
         100.0 * length / self.diagonal
     }
 
-    /// [`hausdorff`](Self::hausdorff) in percent of the first mesh's diagonal.
+    /// Returns [`hausdorff`](Self::hausdorff) in percent of the first mesh's diagonal.
     pub fn hausdorff_percent(&self) -> f64 {
         self.percent(self.hausdorff())
     }
 
-    /// [`mean`](Self::mean) in percent of the first mesh's diagonal.
+    /// Returns [`mean`](Self::mean) in percent of the first mesh's diagonal.
     pub fn mean_percent(&self) -> f64 {
         self.percent(self.mean())
     }
 
-    /// [`rms`](Self::rms) in percent of the first mesh's diagonal.
+    /// Returns [`rms`](Self::rms) in percent of the first mesh's diagonal.
     pub fn rms_percent(&self) -> f64 {
         self.percent(self.rms())
     }
 }
 
-/// How far apart the surfaces of two meshes are, in both directions.
+/// Measures the distance between the surfaces of two meshes, in both directions.
 ///
-/// The surface is the triangles that have an area; coincident ones count once, and vertices that only other triangles
-/// use do not count. Nearest points are exact to double precision; what is sampled is only where they are asked for. The
-/// same meshes and options give the same bytes for any number of threads. To measure many meshes against one, prepare
-/// it once: [`Surface`].
+/// The surface consists of the triangles with an area. Coincident triangles count once. Vertices used only by other
+/// triangles do not count. Nearest points are exact to double precision; only the query points are sampled. Equal
+/// meshes and options give the same bytes for any number of threads. To measure many meshes against a single mesh,
+/// prepare it once: [`Surface`].
 ///
-/// O((n + samples) log n), with some 200 bytes a triangle while it runs.
+/// O((n + samples) log n); some 200 bytes a triangle of working memory.
 ///
 /// # Errors
-/// A mesh without a surface; a number of samples that is not 1 to 2^32 - 1.
+/// A mesh has no surface; `samples` is not in 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::Mesh, quality::{distance, DistanceOptions}};
@@ -152,20 +152,20 @@ pub fn distance(a: &Mesh, b: &Mesh, options: &DistanceOptions) -> Result<Distanc
     Surface::named(a, "first")?.distance(&Surface::named(b, "second")?, options)
 }
 
-/// Distance of every vertex of a mesh from the surface of another, object units: to colour the mesh by its error
-/// ([`palette::colours`](super::palette::colours)). O((n + m) log m).
+/// Measures the distance of every vertex of a mesh from the surface of another mesh, object units. Colours for the
+/// distances: [`palette::colours`](super::palette::colours). O((n + m) log m).
 ///
 /// # Errors
-/// The second mesh has no surface. The first needs none.
+/// The second mesh has no surface. The first mesh needs none.
 pub fn vertex_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError> {
     Ok(Surface::named(to, "second")?.point_distances(from.positions()))
 }
 
 impl Surface<'_> {
-    /// How far this surface and another are apart, in both directions: [`distance`] without building anything.
+    /// Measures the distance between this surface and another, in both directions: [`distance`] on prepared surfaces.
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32 - 1.
+    /// `samples` is not in 1 to 2^32 - 1.
     pub fn distance(&self, other: &Surface<'_>, options: &DistanceOptions) -> Result<Distance, QualityError> {
         Ok(Distance {
             forward: self.distance_to(other, options)?,
@@ -174,10 +174,10 @@ impl Surface<'_> {
         })
     }
 
-    /// How far this surface is from another: one direction of [`distance`].
+    /// Measures the distance from this surface to another: the forward direction of [`distance`].
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32 - 1.
+    /// `samples` is not in 1 to 2^32 - 1.
     pub fn distance_to(
         &self,
         other: &Surface<'_>,
@@ -227,7 +227,7 @@ impl Surface<'_> {
     }
 }
 
-/// Distances, and where the largest lies and leads to.
+/// Distances; for the largest, the sampled point and its nearest point.
 type Lengths = Sums<(DVec3, DVec3)>;
 
 fn add(sums: &mut Lengths, walker: &mut Walker<'_>, point: DVec3) {

@@ -1,25 +1,25 @@
-//! Why a measurement or a picture could not be made: one enum, each variant naming the argument at fault.
+//! Errors of measurements and pictures: an enum, each variant naming the argument at fault.
 
-/// Why a measurement or a picture could not be made.
+/// Error of a measurement or a picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QualityError {
     /// A mesh has no triangle with an area, so there is no surface to measure.
     #[error("the {which} mesh has no surface: none of its {triangles} triangles has an area")]
     NoSurface {
-        /// "first" or "second", in the order of the arguments; "given" where there is but one.
+        /// "first" or "second", in the order of the arguments; "given" if there is a single mesh.
         which: &'static str,
-        /// How many triangles it has.
+        /// Number of triangles of the mesh.
         triangles: usize,
     },
-    /// A mesh has a border, so that there is no inside.
+    /// A mesh has a border, so it has no inside.
     #[error("the {which} mesh is not closed: triangles along the edge of vertices {edge:?}: {triangles}")]
     Open {
-        /// As in [`NoSurface`](Self::NoSurface).
+        /// Name of the mesh, as in [`NoSurface`](Self::NoSurface).
         which: &'static str,
-        /// The edge's ends. Vertices at the same position count as the first of them.
+        /// End vertices of the edge. Of vertices at the same position, the first is given.
         edge: [u32; 2],
-        /// How many triangles lie along it: an odd number.
+        /// Number of triangles along the edge: odd.
         triangles: usize,
     },
     /// A mesh is closed, but its triangles do not agree on which side is outside.
@@ -27,26 +27,26 @@ pub enum QualityError {
         "the {which} mesh is inconsistently oriented: triangles run the same way along the edge of vertices {edge:?}"
     )]
     Orientation {
-        /// As in [`NoSurface`](Self::NoSurface).
+        /// Name of the mesh, as in [`NoSurface`](Self::NoSurface).
         which: &'static str,
-        /// The edge's ends. Vertices at the same position count as the first of them.
+        /// End vertices of the edge. Of vertices at the same position, the first is given.
         edge: [u32; 2],
     },
     /// A mesh has no texture coordinates: no attribute `uv` of two floats.
     #[error("the {which} mesh has no texture coordinates: no attribute \"uv\" of two floats")]
     NoTexture {
-        /// As in [`NoSurface`](Self::NoSurface).
+        /// Name of the mesh, as in [`NoSurface`](Self::NoSurface).
         which: &'static str,
     },
-    /// A texture coordinate is no number.
+    /// A texture coordinate is not finite.
     #[error("vertex {vertex} of the {which} mesh has a texture coordinate that is not finite")]
     NonFiniteTexture {
-        /// As in [`NoSurface`](Self::NoSurface).
+        /// Name of the mesh, as in [`NoSurface`](Self::NoSurface).
         which: &'static str,
         /// Index of the vertex.
         vertex: usize,
     },
-    /// A collapse sequence is not of the mesh that it came with.
+    /// A collapse sequence belongs to another mesh.
     #[error(
         "the sequence is of a mesh of {vertices} vertices and {triangles} triangles, which the given mesh is not"
     )]
@@ -56,15 +56,15 @@ pub enum QualityError {
         /// Triangles of the sequence's input.
         triangles: usize,
     },
-    /// A measurement was asked for with no samples, or more than can be numbered.
+    /// The number of samples is 0, or more than can be numbered.
     #[error("{samples} samples were asked for, which is not 1 to {limit}")]
     Samples {
-        /// How many were asked for.
+        /// Samples requested.
         samples: usize,
-        /// The most that are supported.
+        /// Most samples supported.
         limit: usize,
     },
-    /// A picture without pixels, or with more than are supported on a side.
+    /// A picture has no pixels, or more than supported on a side.
     #[error("a picture of {width} by {height} pixels is not 1 to {limit} on each side")]
     PictureSize {
         /// Width in pixels.
@@ -74,46 +74,46 @@ pub enum QualityError {
         /// Most pixels on a side.
         limit: usize,
     },
-    /// A camera's numbers do not make a view.
+    /// A camera does not define a view.
     #[error("the camera's {what} is not usable: {why}")]
     Camera {
-        /// The field at fault.
+        /// Field of the camera at fault.
         what: &'static str,
-        /// What is wrong with it.
+        /// Defect of the field.
         why: &'static str,
     },
-    /// A list of colours or scalars does not have one entry per vertex or per triangle, as it should.
+    /// A list of colours does not have exactly one entry per vertex or per triangle.
     #[error("{found} colours were given where the mesh has {expected} {what}")]
     ColourCount {
         /// "vertices" or "triangles".
         what: &'static str,
-        /// How many were given.
+        /// Colours given.
         found: usize,
-        /// How many are needed.
+        /// Colours needed.
         expected: usize,
     },
-    /// A comparison by images with no view or no pixel, or with more pixels than are supported.
+    /// A comparison by images has no view or no pixel, or more pixels than supported.
     #[error("{views} views of {size} by {size} pixels are not 1 to {limit} pixels in all")]
     ImagePixels {
-        /// How many views were asked for.
+        /// Views requested.
         views: usize,
         /// Pixels on each side.
         size: usize,
         /// Most pixels of all views.
         limit: usize,
     },
-    /// A view that there is none of.
+    /// A view's index is out of range.
     #[error("there is no view {view} of {views}: they count from 0")]
     View {
-        /// The view asked for.
+        /// Index of the view requested.
         view: usize,
-        /// How many there are.
+        /// Number of views.
         views: usize,
     },
 }
 
 impl QualityError {
-    /// The same error of a mesh by another name.
+    /// Renames the mesh in the error.
     pub(crate) fn of(mut self, name: &'static str) -> Self {
         match &mut self {
             Self::NoSurface { which, .. } | Self::Open { which, .. } | Self::Orientation { which, .. } => {

@@ -1,4 +1,4 @@
-//! How different two meshes look: pictures of both from all sides, compared pixel by pixel.
+//! Image difference of two meshes: pictures of both from all sides, compared pixel by pixel.
 //!
 //! ```text
 //!               o  o  o            the first mesh is framed once: 42 views around it, one scale for all;
@@ -11,20 +11,20 @@
 //! Source: Southern, "Quality control tools for interactive rendering of 3D triangle meshes", sections 2.5.5 and 4.2.2
 //! (K_L1, K_L2, K_sil), after Lindstrom and Turk, "Image-driven simplification", ACM TOG 19(3), 2000.
 //!
-//! What a pixel shows, the same for every mesh:
+//! Rules for every pixel, independent of the mesh:
 //!
-//! - **Views** are orthographic. A pixel is a square of the same side everywhere, so an area of the silhouette is a
-//!   number of pixels, whatever its depth. One ray goes through the middle of every pixel.
-//! - **Grey** is linear in the angle's cosine to one light that goes with the view: from the left, above and in front,
-//!   `(-1, 2, 2) / 3` as right, up and towards the eye. `grey = 32 + 223 (1 + n.l) / 2`: no normal is so far from the
-//!   light that it could turn unseen. The background is 0, which no surface is.
-//! - **Normals** come from the surface, not from the mesh's own normals, which are part of what may be wrong: at every
-//!   point the mean of its triangles by area, vertices at the same position welded. Triangles more than 60 degrees
-//!   apart stay apart, so that creases stay sharp and taking triangles out of a flat part is no difference. Either side
-//!   of a triangle is lit as the side seen.
+//! - **Views** are orthographic. All pixels are squares of equal side, so a silhouette's area is a number of pixels at
+//!   any depth. A ray goes through the middle of each pixel.
+//! - **Grey** is linear in the cosine of the angle between normal `n` and light `l`: `grey = 32 + 223 (1 + n.l) / 2`.
+//!   The light moves with the view: from the left, above and in front, `(-1, 2, 2) / 3` as right, up and towards the
+//!   eye. Even a normal facing away from the light has grey 32. Only the background is 0.
+//! - **Normals** come from the surface: the mesh's own normals may be part of the error. The normal at a point is the
+//!   mean over its triangles weighted by area, with vertices at equal positions welded. Triangles more than 60 degrees
+//!   apart are not averaged: creases stay sharp, and removing triangles from a flat part makes no difference. Either
+//!   side of a triangle is lit as the visible side.
 //!
-//! Only sums, products, quotients and square roots make a pixel, and only whole numbers are added up over pixels: the
-//! same bytes on every machine and for any number of threads.
+//! A pixel is computed by sums, products, quotients and square roots only. Sums over pixels are integers. So the bytes
+//! are equal on every machine and for any number of threads.
 
 use glam::DVec3;
 
@@ -39,29 +39,29 @@ use super::{
     sight::Sight,
 };
 
-/// Views that are the vertices of a subdivided icosahedron.
+/// Number of views for which the vertices of a subdivided icosahedron are used.
 const ICOSAHEDRAL: usize = 42;
-/// Most pixels of all views, one byte each.
+/// Most pixels of all views, 1 byte each.
 const MAX_PIXELS: usize = 1 << 30;
-/// Half the picture's side in radii of the ball around the first mesh: room for what stands out of it.
+/// Half the picture's side in radii of the ball around the first mesh: margin for parts of the second mesh outside it.
 const ROOM: f64 = 1.0625;
-/// Cosine of the angle between triangles beyond which there is a crease: 60 degrees.
+/// Cosine of the largest angle between triangles without a crease: 60 degrees.
 const CREASE: f32 = 0.5;
-/// Where the light is: right, up, towards the eye.
+/// Direction to the light: right, up, towards the eye.
 const LIGHT: [f64; 3] = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
-/// Grey levels facing away from the light, and from there to facing it.
+/// Grey level facing away from the light, and levels added facing it.
 const GREY: [f32; 2] = [32.0, 223.0];
-/// Rows of one unit of work.
+/// Rows of a unit of work.
 const BAND: usize = 16;
-/// Times that differences are made stronger to be seen in [`ReferenceImages::compare_view`].
+/// Factor applied to differences to make them visible in [`ReferenceImages::compare_view`].
 const STRONGER: u8 = 4;
 
-/// From how many sides, and how finely, to compare by [`image_difference`].
+/// Number and resolution of the views of [`image_difference`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ImageOptions {
-    /// Views around the mesh, at least 1; default 42. 42 are the vertices of an icosahedron and the middles of its
-    /// edges; any other number lies along a spiral from pole to pole, by equal shares of the sphere's area.
+    /// Views around the mesh, at least 1; default 42. 42 views are the vertices of an icosahedron and the middles of
+    /// its edges. Any other number lies along a spiral from pole to pole, in equal shares of the sphere's area.
     pub views: usize,
     /// Pixels on each side of a picture, at least 1; default 512. At most 2^30 pixels in all views.
     pub size: usize,
@@ -74,14 +74,14 @@ impl Default for ImageOptions {
 }
 
 impl ImageOptions {
-    /// With this many views.
+    /// Sets the number of views.
     #[must_use]
     pub fn with_views(mut self, views: usize) -> Self {
         self.views = views;
         self
     }
 
-    /// With pictures of this many pixels on each side.
+    /// Sets the pixels on each side of a picture.
     #[must_use]
     pub fn with_size(mut self, size: usize) -> Self {
         self.size = size;
@@ -89,47 +89,47 @@ impl ImageOptions {
     }
 }
 
-/// How different two meshes look.
+/// Image difference of two meshes.
 ///
-/// Grey values are in levels of 0 to 255, because one level is the least step of a usual display: below 1 is nothing
-/// that could be shown on average. Every number is 0 for meshes that look the same. The measures depend on
-/// [`size`](Self::size) (a silhouette's pixels grow with it), so compare only figures of the same size.
+/// Grey values are in levels 0 to 255. A level is the smallest step of a usual display, so a mean below 1 cannot be
+/// displayed on average. Every number is 0 for meshes with equal pictures. The measures depend on [`size`](Self::size)
+/// (a silhouette's pixels grow with it): compare only results of equal size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ImageDifference {
-    /// K_L1, grey levels: mean difference over the pixels that show either mesh; mean over the views.
+    /// K_L1, grey levels: mean difference over the pixels showing either mesh; mean over the views.
     pub l1: f64,
-    /// K_L2, grey levels: root of the mean square difference over the same pixels; mean over the views.
+    /// K_L2, grey levels: root of the mean square difference over the pixels showing either mesh; mean over the views.
     pub l2: f64,
-    /// K_sil, pixels a view: those that show one mesh and not the other; mean over the views.
+    /// K_sil, pixels a view: pixels showing exactly one mesh; mean over the views.
     pub silhouette: f64,
-    /// The same in parts of the pixels that show the first mesh, over all views: what does not grow with the size. 0
-    /// where no pixel shows the first mesh.
+    /// Pixels showing exactly one mesh, as a share of the pixels showing the first mesh, over all views: unlike
+    /// `silhouette` it does not grow with the size. 0 if no pixel shows the first mesh.
     pub silhouette_share: f64,
     /// The largest L1 of any view, grey levels.
     pub l1_max: f64,
-    /// The first view that has it ([`ReferenceImages::direction`]).
+    /// First view with `l1_max` (its direction: [`ReferenceImages::direction`]).
     pub l1_max_view: usize,
     /// The largest L2 of any view, grey levels.
     pub l2_max: f64,
-    /// The first view that has it.
+    /// First view with `l2_max`.
     pub l2_max_view: usize,
     /// The largest silhouette difference of any view, pixels.
     pub silhouette_max: u64,
-    /// The first view that has it.
+    /// First view with `silhouette_max`.
     pub silhouette_max_view: usize,
     /// Views compared.
     pub views: usize,
     /// Pixels on each side of a picture.
     pub size: usize,
-    /// Pixels that show the first mesh, over all views.
+    /// Pixels showing the first mesh, over all views.
     pub pixels_first: u64,
-    /// Pixels that show the second mesh, over all views.
+    /// Pixels showing the second mesh, over all views.
     pub pixels_second: u64,
 }
 
-/// Pictures of a mesh from all sides, to compare many others with: made once, one byte a pixel.
+/// Pictures of a mesh from all sides, made once to compare many meshes with; 1 byte a pixel.
 ///
 /// ```
 /// use multires::{mesh::shapes, quality::{ImageOptions, ReferenceImages}};
@@ -142,15 +142,15 @@ pub struct ImageDifference {
 #[derive(Debug, Clone)]
 pub struct ReferenceImages {
     frame: Frame,
-    /// Row by row from the top left, view by view.
+    /// Grey values, row by row from the top left, view by view.
     grey: Vec<u8>,
 }
 
 impl ReferenceImages {
-    /// Frames a mesh and takes its pictures. O(views * size^2 * log n), one byte a pixel.
+    /// Frames a mesh and takes its pictures. O(views * size^2 * log n), 1 byte a pixel.
     ///
     /// # Errors
-    /// A mesh without a surface; no view or no pixel, or more than 2^30 pixels in all.
+    /// A mesh has no surface; there is no view or no pixel, or more than 2^30 pixels in all.
     pub fn new(mesh: &Mesh, options: &ImageOptions) -> Result<Self, QualityError> {
         let &ImageOptions { views, size } = options;
         let pixels = size.checked_mul(size).and_then(|n| n.checked_mul(views)).unwrap_or(usize::MAX);
@@ -168,8 +168,8 @@ impl ReferenceImages {
         Ok(Self { frame, grey: bands.concat() })
     }
 
-    /// How different another mesh looks through the same frames. What of it lies outside of them is not seen.
-    /// O(views * size^2 * log n).
+    /// Compares another mesh through the frames of this mesh. Parts of it outside the frames are not seen. O(views *
+    /// size^2 * log n).
     ///
     /// # Errors
     /// The other mesh has no surface.
@@ -184,26 +184,26 @@ impl ReferenceImages {
         Ok(self.summary(&bands))
     }
 
-    /// How many views there are.
+    /// Returns the number of views.
     pub fn views(&self) -> usize {
         self.frame.views.len()
     }
 
-    /// The unit direction from which a view sees the mesh, pointing away from it; `None` beyond the last view.
+    /// Returns the unit direction from the mesh to the eye of a view; `None` beyond the last view.
     pub fn direction(&self, view: usize) -> Option<[f64; 3]> {
         self.frame.views.get(view).map(|axes| (-axes[2]).to_array())
     }
 
-    /// The mesh as a view sees it; `None` beyond the last view.
+    /// Returns the picture of a view; `None` beyond the last view.
     pub fn picture(&self, view: usize) -> Option<Picture> {
         let area = self.frame.size * self.frame.size;
         (view < self.views()).then(|| self.frame.picture(&self.grey[view * area..(view + 1) * area]))
     }
 
-    /// A view to look at: the mesh, another one, and their difference four times as strong, side by side.
+    /// Draws for inspection, side by side: a view of the mesh, of another mesh, and their difference times 4.
     ///
     /// # Errors
-    /// The other mesh has no surface; there is no such view.
+    /// The other mesh has no surface; `view` is out of range.
     pub fn compare_view(&self, other: &Mesh, view: usize) -> Result<Picture, QualityError> {
         let views = self.views();
         let first = self.picture(view).ok_or(QualityError::View { view, views })?;
@@ -244,7 +244,7 @@ impl ReferenceImages {
         let mut silhouette = 0;
         for (view, bands) in bands.chunks(bands.len() / views).enumerate() {
             let sums = bands.iter().copied().fold(Sums::default(), Sums::join);
-            // A flat mesh seen edge on is in no pixel, and so is its difference.
+            // A flat mesh seen edge on covers no pixel, and neither does its difference.
             let either = sums.either.max(1) as f64;
             let (l1, l2) = (sums.difference as f64 / either, (sums.square as f64 / either).sqrt());
             if l1 > result.l1_max {
@@ -271,15 +271,15 @@ impl ReferenceImages {
     }
 }
 
-/// How different two meshes look, over views from all sides that frame the first one.
+/// Compares pictures of two meshes over views from all sides, framing the first mesh.
 ///
-/// Symmetric as long as both fill the same frame: the ball about the middle of the box around the surface. Of several
-/// comparisons with one mesh all but the first are at half price with [`ReferenceImages`].
+/// Symmetric if both meshes fill the same frame: the ball about the middle of the box around the surface. To compare
+/// many meshes with a single mesh, use [`ReferenceImages`]: from the second comparison on it costs half.
 ///
-/// O(views * size^2 * log n), one byte a pixel; the same bytes for any number of threads and on every machine.
+/// O(views * size^2 * log n), 1 byte a pixel; the bytes are equal for any number of threads and on every machine.
 ///
 /// # Errors
-/// A mesh without a surface; no view or no pixel, or more than 2^30 pixels in all.
+/// A mesh has no surface; there is no view or no pixel, or more than 2^30 pixels in all.
 pub fn image_difference(a: &Mesh, b: &Mesh, options: &ImageOptions) -> Result<ImageDifference, QualityError> {
     ReferenceImages::new(a, options)?.difference(b)
 }
@@ -288,7 +288,7 @@ fn surface(mesh: &Mesh, which: &'static str) -> Result<Bvh, QualityError> {
     Bvh::new(mesh).ok_or(QualityError::NoSurface { which, triangles: mesh.triangles().len() })
 }
 
-/// Whole numbers over some pixels, so that the order of adding up is no matter.
+/// Integer sums over pixels: the order of addition does not matter.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     difference: u64,
@@ -322,7 +322,7 @@ impl Sums {
     }
 }
 
-/// The views and what they frame.
+/// The views, and the pixels they share.
 #[derive(Debug, Clone)]
 struct Frame {
     centre: DVec3,
@@ -345,7 +345,7 @@ impl Frame {
         Self { centre, pixel, size, views }
     }
 
-    /// Units of work in all views; a band lies in one view.
+    /// Returns the number of units of work in all views; a band lies in a single view.
     fn bands(&self) -> usize {
         self.views.len() * self.size.div_ceil(BAND)
     }
@@ -355,16 +355,16 @@ impl Frame {
     }
 }
 
-/// Largest distance of the surface from a point.
+/// Returns the largest distance of the surface from a point.
 fn radius(surface: &Bvh, centre: DVec3) -> f64 {
     let corners = (0..surface.len() as u32).flat_map(|slot| surface.corners(slot));
     corners.map(|p| p.distance_squared(centre)).fold(0.0, f64::max).sqrt()
 }
 
-/// A mesh that pictures are taken of.
+/// A mesh to draw.
 struct Model<'a> {
     sight: Sight<'a>,
-    /// How far in front of the frame's centre rays start, object units: before the surface.
+    /// Distance before the frame's centre at which rays start, object units: outside the surface.
     back: f64,
 }
 
@@ -374,7 +374,7 @@ impl<'a> Model<'a> {
         Self { sight: Sight { bvh: surface, normals: smooth_normals(mesh, CREASE) }, back }
     }
 
-    /// Hands over the grey value of every pixel of a band, with the pixel's place among those of all views.
+    /// Passes the grey value of every pixel of a band to `put`, with the pixel's index among all views.
     fn draw(&self, frame: &Frame, band: usize, mut put: impl FnMut(usize, u8)) {
         let size = frame.size;
         let bands = size.div_ceil(BAND);
@@ -401,12 +401,12 @@ impl<'a> Model<'a> {
     }
 }
 
-/// Unit vectors spread evenly over the sphere.
+/// Returns unit vectors spread evenly over the sphere.
 fn directions(count: usize) -> Vec<DVec3> {
     if count == ICOSAHEDRAL { icosahedron_and_middles() } else { spiral(count) }
 }
 
-/// The 12 vertices of an icosahedron and the middles of its 30 edges: the vertices after one subdivision.
+/// Returns the 12 vertices of an icosahedron and the middles of its 30 edges: the vertices after 1 subdivision.
 fn icosahedron_and_middles() -> Vec<DVec3> {
     let golden = 0.5 + 0.5 * 5f64.sqrt();
     let mut corners = Vec::with_capacity(ICOSAHEDRAL);
@@ -415,16 +415,16 @@ fn icosahedron_and_middles() -> Vec<DVec3> {
     }
     let mut all = corners.clone();
     for (i, &a) in corners.iter().enumerate() {
-        // An edge joins those that are less than a right angle apart.
+        // An edge joins vertices less than a right angle apart.
         all.extend(corners[i + 1..].iter().filter(|b| a.dot(**b) > 0.0).map(|&b| a + b));
     }
     all.into_iter().map(DVec3::normalize).collect()
 }
 
-/// Down from the pole in steps of equal area, by the golden angle from each to the next (Swinbank and Purser,
-/// "Fibonacci grids", QJRMS 132, 2006).
+/// Returns directions from pole to pole in steps of equal area, turning by the golden angle at each step (Swinbank and
+/// Purser, "Fibonacci grids", QJRMS 132, 2006).
 fn spiral(count: usize) -> Vec<DVec3> {
-    // Cosine and sine of the golden angle: turned by multiplication, which is the same everywhere.
+    // Cosine and sine of the golden angle: rotating by multiplication gives equal bits on every machine.
     const STEP: [f64; 2] = [-0.737_368_878_078_319_9, 0.675_490_294_261_523_6];
     let [mut x, mut z] = [1.0, 0.0];
     let mut directions = Vec::with_capacity(count);

@@ -1,4 +1,4 @@
-//! How often a surface crosses itself.
+//! Self-intersections of a surface.
 
 use glam::DVec3;
 
@@ -7,12 +7,12 @@ use crate::mesh::{Mesh, crossing::triangles_cross};
 use super::bvh::Bvh;
 use super::map_chunks;
 
-/// The number of pairs of triangles of a mesh that cross.
+/// Counts the pairs of crossing triangles of a mesh.
 ///
-/// Two triangles cross where a side of one passes through the other, from one side of its plane to the other. Pairs that share
-/// a corner's position are left out: neighbours touch, and whether they fold over is another question. So are triangles that
-/// only touch, or overlap in one plane, and triangles without area. Coincident triangles count as one. O(n log n) expected, and
-/// the pairs whose boxes meet.
+/// Two triangles cross if a side of either passes through the other, from one side of its plane to the other. Not
+/// counted: pairs sharing the position of a corner (neighbours touch, and folding is another question), triangles only
+/// touching or overlapping in a plane, and triangles without area. Coincident triangles count as a single triangle. O(n
+/// log n) expected, plus the pairs whose boxes meet.
 ///
 /// ```
 /// use multires::{mesh::shapes, quality::self_intersections};

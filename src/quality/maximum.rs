@@ -9,7 +9,7 @@
 //!
 //! After Guthe, Borodin and Klein, "Fast and accurate Hausdorff distance calculation between meshes", WSCG 2005, and
 //! Tang, Lee and Kim, "Interactive Hausdorff distance computation for general polygonal models", SIGGRAPH 2009. Most of
-//! a surface is never looked at: its corners lie far nearer than L.
+//! a surface is dropped without a query: its corners lie far nearer than L.
 
 use glam::DVec3;
 
@@ -19,25 +19,25 @@ use super::{
     triangle::{Corners, closest_on_triangle},
 };
 
-/// Share of the maximum within which bounds need not meet.
+/// Relative gap at which the bounds count as equal.
 const CLOSE: f64 = 1e-3;
-/// Share of the surface's size within which they need not meet either: above rounding.
+/// Gap at which the bounds count as equal, as a share of the surface's size: above rounding.
 const ROUNDING: f64 = 1e-9;
-/// Pieces of one unit of work.
+/// Pieces of a unit of work.
 const CHUNK: usize = 256;
 
-/// A distance, and the points between which it was measured.
+/// A distance, and the two points between which it was measured.
 pub(super) type Found = (f64, (DVec3, DVec3));
 
-/// A part of a triangle, and a distance that none of its points exceeds.
+/// A part of a triangle, and an upper bound of the distance of its points.
 struct Piece {
     corners: Corners,
     bound: f64,
 }
 
-/// The largest distance from one surface to another, no less than `found`, and a proven bound for it. `corner`
-/// gives the distance at the corners of a slot. Looks at no more than `budget` pieces: where they run out, the bound
-/// says how far the maximum may be above.
+/// Returns the largest distance from a surface to another, at least `found`, and a proven upper bound. `corner` returns
+/// the distances at the corners of a slot. Refines at most `budget` pieces. When they run out, the bound is looser but
+/// still holds.
 pub(super) fn largest(
     from: &Bvh,
     to: &Bvh,
@@ -60,7 +60,7 @@ pub(super) fn largest(
         }
     }
     while !pieces.is_empty() {
-        // Those that may be farthest first.
+        // Pieces of the largest bound first.
         pieces.sort_by(|a, b| b.bound.total_cmp(&a.bound));
         if pieces.len() > left {
             dropped = dropped.max(pieces[left].bound);
@@ -90,7 +90,7 @@ pub(super) fn largest(
     (found, dropped.max(found.0))
 }
 
-/// No point is farther than the distance at a corner and the way there.
+/// Bounds the distance of a piece: no point is farther than the distance at a corner plus the way to that corner.
 fn by_extent(corners: &Corners, distances: [f64; 3]) -> f64 {
     let reach = |i: usize| {
         corners.iter().map(|p| (*p - corners[i]).length()).fold(distances[i], |a, b| a.max(distances[i] + b))
@@ -98,7 +98,7 @@ fn by_extent(corners: &Corners, distances: [f64; 3]) -> f64 {
     reach(0).min(reach(1)).min(reach(2))
 }
 
-/// A bound for a piece, and the larger of the distances at its middle and at the corner that the bound comes from.
+/// Returns a bound of a piece, and the larger of the distances at its middle and at the corner giving the bound.
 fn look_at(piece: &Piece, to: &Bvh, walker: &mut Walker<'_>) -> (f64, Found) {
     let corners = &piece.corners;
     let middle = corners[0] + ((corners[1] - corners[0]) + (corners[2] - corners[0])) / 3.0;

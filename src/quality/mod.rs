@@ -1,32 +1,32 @@
-//! How good a mesh is, and what it looks like: distances between meshes, ray-cast pictures, volume and slivers.
+//! Measures and pictures of meshes: distances between meshes, ray-cast pictures, volume and slivers.
 //!
-//! Which measure answers which question: `docs/guide/quality.md` in the repository.
+//! `docs/guide/quality.md` in the repository tells which measure answers which question.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
 //! | `samples.rs` | points spread evenly over a surface |
-//! | `triangle.rs` | one triangle: nearest point, ray, angle and weights at a point |
+//! | `triangle.rs` | a triangle: nearest point, ray, angle and weights at a point |
 //! | `surface.rs` | [`Surface`]: a mesh prepared once for measuring |
 //! | `distance.rs` | [`distance()`]: Metro's two-sided distance between two meshes |
-//! | `maximum.rs` | the largest distance to within a proven bound |
-//! | `signed.rs` | [`signed_distance`]: how far outside and how far inside; `closed.rs`: whether there is an inside |
+//! | `maximum.rs` | branch and bound: the largest distance within a proven bound |
+//! | `signed.rs` | [`signed_distance`]: how far outside and how far inside; `closed.rs`: tests for an inside |
 //! | `normal_deviation.rs` | [`normal_deviation()`]: how far normals turn |
 //! | `parametric.rs` | [`parametric_deviation`]: how far points travel under a sequence's collapses |
 //! | `texture.rs` | [`texture_deviation`]: how far the texture slides |
 //! | `nearest.rs` | [`SurfacePoint`]: samples of a surface, and its nearest points |
 //! | `sums.rs` | mean, root mean square and maximum |
-//! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: what a mesh encloses and how good its triangles are |
+//! | `volume.rs` | [`volume()`], [`volume_ratio`], [`area`] and [`ShapeReport`]: enclosed volume, area, shape of triangles |
 //! | `intersections.rs` | [`self_intersections`]: how often a surface crosses itself |
-//! | `images.rs` | [`image_difference`]: what is seen of the difference, over views from all sides |
+//! | `images.rs` | [`image_difference`]: pixel differences over views from all sides |
 //! | `render.rs` | [`render`]: pictures without a graphics card |
-//! | `sight.rs` | what a ray sees: the surface, its side, its normal |
-//! | `camera.rs` | [`Camera`]: where a picture is taken from |
+//! | `sight.rs` | first hit of a ray: the surface, its side, its normal |
+//! | `camera.rs` | [`Camera`]: a pinhole camera |
 //! | `normals.rs` | normals to shade with |
 //! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
 //! | `palette.rs` | [`palette`]: colours for numbers and for materials |
 //! | `error.rs` | [`QualityError`] |
-//! | `hash.rs` | hashes that are the same on every machine |
+//! | `hash.rs` | hashes identical on every machine |
 
 mod bvh;
 mod camera;
@@ -68,7 +68,8 @@ pub use surface::Surface;
 pub use texture::{TextureDeviation, texture_deviation};
 pub use volume::{ShapeReport, area, volume, volume_ratio};
 
-/// `work` for every chunk of `size` of `0..count`, results in order of the chunks; on all cores with `parallel`.
+/// Calls `work` for every chunk of `size` of `0..count`; results in order of the chunks. Uses all cores with feature
+/// `parallel`.
 pub(crate) fn map_chunks<T: Send>(
     count: usize,
     size: usize,

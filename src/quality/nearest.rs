@@ -1,4 +1,4 @@
-//! Points on a surface: even samples of it, and where it is nearest to any point.
+//! Points on a surface: evenly spread samples, and the point nearest to a query point.
 //!
 //! ```text
 //!     original  --o------o-----o--      sample, find what the level has nearest to it, and compare
@@ -16,21 +16,21 @@ use super::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SurfacePoint {
-    /// The triangle of the mesh that it lies on.
+    /// Triangle of the mesh containing the point.
     pub triangle: u32,
-    /// Shares of the triangle's corners, 0 to 1, 1 in all.
+    /// Barycentric weights of the triangle's corners, 0 to 1, sum 1.
     pub weights: [f64; 3],
-    /// Where it lies, object units.
+    /// Position, object units.
     pub position: [f64; 3],
-    /// Distance from the point asked about, object units; 0 for samples.
+    /// Distance from the query point, object units; 0 for samples.
     pub distance: f64,
 }
 
 impl Surface<'_> {
-    /// Samples of the surface, each of which stands for the same area. O(samples + n).
+    /// Samples the surface: each sample stands for an equal area. O(samples + n).
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32 - 1.
+    /// `samples` is not in 1 to 2^32 - 1.
     ///
     /// ```
     /// use multires::{mesh::shapes, quality::{DistanceOptions, Surface}};
@@ -54,9 +54,9 @@ impl Surface<'_> {
         Ok(chunks.concat())
     }
 
-    /// Calls `visit` for every point, in order, with its number and the surface's nearest point to it: once for every triangle that
-    /// touches there (two on an edge, more at a corner), the nearest first. Points must be finite; others are passed
-    /// over. O(log n) expected for each.
+    /// Calls `visit` for every point, in order, with the point's index and the nearest point of the surface. The slice
+    /// holds the nearest point once for every triangle touching it (two on an edge, more at a corner), the nearest
+    /// triangle first. Points that are not finite are skipped. O(log n) expected for each point.
     ///
     /// ```
     /// use multires::{mesh::shapes, quality::Surface};

@@ -1,6 +1,6 @@
-//! How far two surfaces turn from each other: the angle between the normals at a point and at the one nearest to it.
+//! Angles between the normals of two surfaces: at a point, and at the nearest point of the other surface.
 //!
-//! Distances do not see it: a surface folded like a paper fan may lie close everywhere and be shaded wrongly everywhere.
+//! Distances miss this error: a surface folded like a paper fan may be close everywhere and shaded wrongly everywhere.
 
 use glam::DVec3;
 
@@ -25,18 +25,19 @@ pub struct Angles {
     pub rms: f64,
     /// Largest angle found.
     pub max: f64,
-    /// Where on the sampled surface the largest angle is, object units.
+    /// Point of the sampled surface with the largest angle, object units.
     pub max_at: [f64; 3],
 }
 
-/// Angles between the normals of one surface and those of another at the nearest points.
+/// Angles between the normals of a surface and the normals at the nearest points of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct OneSidedNormals {
-    /// Between normals as the triangles face, 0 to 180: for surfaces that agree on what is outside.
+    /// Between oriented normals, 0 to 180: for surfaces that agree on the outside.
     pub oriented: Angles,
-    /// Between the triangles' planes, 0 to 90: for surfaces that do not, and for those drawn from both sides.
+    /// Between the triangles' planes, 0 to 90: for surfaces with different orientation, and for surfaces drawn from
+    /// both sides.
     pub unoriented: Angles,
 }
 
@@ -51,14 +52,14 @@ pub struct NormalDeviation {
     pub backward: OneSidedNormals,
 }
 
-/// How far the normals of two surfaces turn from each other.
+/// Measures the angles between the normals of two surfaces.
 ///
-/// Normals are those of the triangles, not of the vertices: what the geometry is, not how it is smoothed. Samples lie on
-/// faces, each standing for the same area. Where the nearest point lies on an edge or a corner, the triangle there that
-/// turns least counts. O((n + samples) log n).
+/// Uses the normals of the triangles, not of the vertices: the shape, not its smoothing. Samples lie on faces, each
+/// standing for an equal area. If the nearest point lies on an edge or a corner, the triangle with the smallest angle
+/// there counts. O((n + samples) log n).
 ///
 /// # Errors
-/// A mesh without a surface; a number of samples that is not 1 to 2^32 - 1.
+/// A mesh has no surface; `samples` is not in 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::Mesh, quality::{DistanceOptions, normal_deviation}};
@@ -82,10 +83,10 @@ pub fn normal_deviation(
 }
 
 impl Surface<'_> {
-    /// How far the normals of this surface turn from those of another: the forward half of [`normal_deviation`].
+    /// Measures the angles from this surface's normals to another's: the forward half of [`normal_deviation`].
     ///
     /// # Errors
-    /// A number of samples that is not 1 to 2^32 - 1.
+    /// `samples` is not in 1 to 2^32 - 1.
     pub fn normal_deviation_to(
         &self,
         other: &Surface<'_>,
@@ -107,7 +108,8 @@ impl Surface<'_> {
     }
 }
 
-/// Least angle, oriented and not, between a normal and those of the surface where it is nearest to a point, degrees.
+/// Returns the smallest oriented and unoriented angle, degrees, between a normal and the surface's normals at the point
+/// nearest to `point`.
 fn turns(bvh: &Bvh, walker: &mut Walker<'_>, point: DVec3, normal_there: DVec3) -> [f64; 2] {
     let nearest = walker.closest(point);
     let turn = |slot: u32| {

@@ -1,16 +1,17 @@
-//! Normals to shade with: per corner of every triangle, smooth across gentle edges and apart across creases.
+//! Shading normals: per corner of every triangle, smooth across gentle edges and split at creases.
 
 use glam::Vec3;
 
 use crate::mesh::{Mesh, Topology, names};
 
-/// Cosine of the angle between two triangles' normals beyond which an edge is a crease: 45 degrees.
+/// Cosine of the angle between two triangles' normals below which an edge is a crease: 45 degrees.
 const CREASE: f32 = std::f32::consts::FRAC_1_SQRT_2;
-/// Corners around a point beyond which creases are not looked for: their number grows with the square.
+/// Most corners around a point for which creases are sought: the cost grows with the square of their number. A corner
+/// at a more crowded point gets its triangle's normal.
 const CROWDED: usize = 64;
 
-/// Unit normals, or zero where there is none, three to a triangle. The mesh's own normals where it has them; else the
-/// mean of the triangles around each point, by area, less those across a crease. O(n).
+/// Returns unit normals, three to a triangle; zero if there is none. Uses the mesh's own normals if it has them.
+/// Otherwise takes the mean by area of the triangles around each point, without triangles across a crease. O(n).
 pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
     if let Some(own) = mesh.attribute(names::NORMAL).filter(|a| a.width() == 3).and_then(|a| a.as_floats()) {
         let normal = |v: u32| Vec3::from_slice(&own[3 * v as usize..3 * v as usize + 3]).normalize_or_zero();
@@ -19,9 +20,9 @@ pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
     smooth_normals(mesh, CREASE)
 }
 
-/// The same from the surface alone, whatever normals the mesh has: the mean of the triangles around each point, by
-/// area, less those whose normals' cosine to the corner's own triangle is below `crease`. Vertices at the same position
-/// are one point. O(n).
+/// Returns unit normals, three to a triangle, from the surface alone, ignoring the mesh's own normals. A corner's
+/// normal is the mean by area of the triangles around its point. Triangles with `cosine < crease` to the corner's own
+/// triangle are left out. Vertices at equal positions are a single point. O(n).
 pub(super) fn smooth_normals(mesh: &Mesh, crease: f32) -> Vec<Vec3> {
     let faces = face_normals(mesh);
     let topology = Topology::new(mesh);
@@ -58,7 +59,8 @@ pub(super) fn smooth_normals(mesh: &Mesh, crease: f32) -> Vec<Vec3> {
         .collect()
 }
 
-/// Unit normal and area of every triangle, in squares of the mesh's size; zero for those without an area.
+/// Returns the unit normal and the area of every triangle, in squares of the mesh's size; a zero normal without an
+/// area.
 fn face_normals(mesh: &Mesh) -> Vec<(Vec3, f32)> {
     let unit = mesh.diagonal().max(f64::MIN_POSITIVE);
     let position = |v: u32| glam::DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) / unit;

@@ -1,7 +1,6 @@
-//! Colours for numbers and for labels that people with any colour vision can tell apart, and that survive print in
-//! grey: all as sRGB bytes.
+//! Colours for numbers and labels, as sRGB bytes: distinguishable with any colour vision, and in grey print.
 
-/// Dark blue through green to yellow, of evenly rising lightness: eighths of the viridis scale (Smith and van der
+/// Dark blue through green to yellow, with evenly rising lightness: eighths of the viridis scale (Smith and van der
 /// Walt, "A Better Default Colormap for Matplotlib", SciPy 2015).
 const SEQUENTIAL: [[u8; 3]; 9] = [
     [68, 1, 84],
@@ -15,7 +14,7 @@ const SEQUENTIAL: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// A hue for every label: Okabe and Ito's set ("Color Universal Design", 2008), softened to sit well under light.
+/// Hues of labels: Okabe and Ito's set ("Color Universal Design", 2008), softened for shading under light.
 const CATEGORICAL: [[u8; 3]; 8] = [
     [148, 160, 178],
     [219, 165, 74],
@@ -27,10 +26,10 @@ const CATEGORICAL: [[u8; 3]; 8] = [
     [188, 132, 166],
 ];
 
-/// For what is not a number.
+/// Colour of NaN.
 const UNKNOWN: [u8; 3] = [190, 190, 190];
 
-/// The colour of `t` on a scale from 0 (dark blue) to 1 (yellow). Values beyond take the nearest end, NaN is grey.
+/// Returns the colour of `t` on a scale from 0 (dark blue) to 1 (yellow). Values outside are clamped. NaN is grey.
 pub fn sequential(t: f32) -> [u8; 3] {
     if t.is_nan() {
         return UNKNOWN;
@@ -45,8 +44,8 @@ pub fn sequential(t: f32) -> [u8; 3] {
     })
 }
 
-/// The colour of every value on the [`sequential`] scale from `range[0]` to `range[1]`. Where both are equal, values
-/// beyond them take the ends and the rest the low end. O(n).
+/// Returns the colour of every value on the [`sequential`] scale from `range[0]` to `range[1]`. If both are equal,
+/// larger values take the high end and all others the low end. O(n).
 pub fn colours(values: &[f32], range: [f32; 2]) -> Vec<[u8; 3]> {
     let [low, high] = range.map(f64::from);
     let place = |x: f64| {
@@ -61,7 +60,7 @@ pub fn colours(values: &[f32], range: [f32; 2]) -> Vec<[u8; 3]> {
     values.iter().map(|&x| sequential(place(f64::from(x)) as f32)).collect()
 }
 
-/// A colour for a label, such as a material id; the eight colours repeat.
+/// Returns the colour of a label, such as a material id; eight colours repeat.
 pub fn categorical(label: u32) -> [u8; 3] {
     CATEGORICAL[label as usize % CATEGORICAL.len()]
 }

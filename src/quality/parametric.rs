@@ -1,4 +1,4 @@
-//! How far the points of a mesh travel under the collapses of a sequence: parametric deviation.
+//! Parametric deviation: how far the points of a mesh travel under the collapses of a sequence.
 //!
 //! ```text
 //!        b                    every vertex has an ancestor in the level (what it was merged into), and every triangle
@@ -20,34 +20,36 @@ use super::{
     triangle::{Corners, has_area, normal},
 };
 
-/// How far points lie from their images in a level, object units.
+/// Distances of points from their images in a level, object units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ParametricDeviation {
-    /// Largest over the whole surface: attained at a vertex, so it is exact and no sample can exceed it.
+    /// Largest over the whole surface. Attained at a vertex, so it is exact and no sample can exceed it.
     pub max: f64,
-    /// Mean over the area, to about a thousandth: by rules of seven points, finer where a point inside stays in place.
+    /// Mean over the area, accurate to about a thousandth: by the seven-point rule, refined where a point inside a
+    /// triangle stays in place.
     pub mean: f64,
     /// Root of the mean square over the area, exact.
     pub rms: f64,
-    /// The vertex that travels farthest.
+    /// Vertex with the largest distance.
     pub vertex: u32,
 }
 
-/// How far the points of the original travel to their images in the level after `steps` steps (all, if there are fewer).
+/// Measures how far the points of the original travel to their images in the level after `steps` steps (all steps, if
+/// there are fewer).
 ///
-/// Its maximum is a proven bound, not an estimate. No point of the level is farther from the original than that, and no
-/// point of the original is farther from its image; the image is the level, and what vanished triangles shrank to, which
-/// lies on the level unless a whole piece of the mesh has shrunk to nothing. Whatever is painted on the original and
-/// carried along by the map slides by no more. On flat parts, where vertices move within the surface, it is far above
-/// [`distance()`](super::distance()): compare [`ErrorMeasure::Parametric`](crate::simplify::ErrorMeasure), which bounds it
-/// step by step.
+/// [`max`](ParametricDeviation::max) is a proven bound, not an estimate. No point of the level is farther from the
+/// original than `max`, and no point of the original is farther from its image. The image consists of the level and of
+/// the remains of vanished triangles. The remains lie on the level unless a whole piece of the mesh has shrunk to
+/// nothing. A texture painted on the original and carried along by the map slides by at most `max`. On flat parts,
+/// where vertices move within the surface, `max` is far above [`distance()`](super::distance()).
+/// [`ErrorMeasure::Parametric`](crate::simplify::ErrorMeasure) bounds it step by step.
 ///
-/// Vertices that no triangle uses do not count. O(n).
+/// Vertices used by no triangle do not count. O(n).
 ///
 /// # Errors
-/// The sequence is not of this mesh ([`CollapseSequence::fits`]); the mesh has no surface.
+/// The sequence belongs to another mesh ([`CollapseSequence::fits`]); the mesh has no surface.
 ///
 /// ```
 /// use multires::{Simplifier, mesh::shapes, quality::parametric_deviation};
@@ -101,7 +103,7 @@ pub fn parametric_deviation(
     if area == 0.0 {
         return Err(QualityError::NoSurface { which: "given", triangles: original.triangles().len() });
     }
-    // The rule of seven points may be above the mean by rounding.
+    // The seven-point rule may exceed the maximum by rounding.
     Ok(ParametricDeviation {
         max,
         mean: (mean / area).min(max),
@@ -110,19 +112,19 @@ pub fn parametric_deviation(
     })
 }
 
-/// Mean length and mean square length over a triangle of a vector that is linear in it.
+/// Returns the mean length and mean square length over a triangle of a vector linear in it.
 fn over_triangle(corners: [DVec3; 3]) -> [f64; 2] {
     let [a, b, c] = corners;
     let squares = a.length_squared() + b.length_squared() + c.length_squared();
     [mean_length(corners, DEPTH), ((a + b + c).length_squared() + squares) / 12.0]
 }
 
-/// How often a triangle is quartered where the rule of seven points does not do, and what it may be off, as a share.
+/// Most quarterings of a triangle where the seven-point rule is too coarse, and the relative error allowed.
 const DEPTH: usize = 5;
 const OFF: f64 = 1e-4;
 
-/// By seven points, and again by quarters where that makes a difference: the length has a kink where a point inside stays
-/// in place.
+/// Returns the mean length by the seven-point rule, quartering the triangle where this changes the result: the length
+/// has a kink if a point inside stays in place.
 fn mean_length([a, b, c]: [DVec3; 3], depth: usize) -> f64 {
     let whole = seven_points([a, b, c]);
     let [ab, bc, ca] = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
@@ -134,7 +136,7 @@ fn mean_length([a, b, c]: [DVec3; 3], depth: usize) -> f64 {
     quarters.map(|quarter| mean_length(quarter, depth - 1)).iter().sum::<f64>() * 0.25
 }
 
-/// Radon's rule of degree five for the mean length: the centre, and two sets of three points.
+/// Applies Radon's rule of degree five to the length: the centre, and two sets of three points.
 fn seven_points([a, b, c]: [DVec3; 3]) -> f64 {
     let root = 15f64.sqrt();
     let length = |u: f64, v: f64, w: f64| (a * u + b * v + c * w).length();

@@ -1,4 +1,4 @@
-//! Pixels in rows from the top, and pictures side by side. No file format: any image library takes the bytes.
+//! Pictures: pixels in rows from the top, and pictures side by side. No file format: any image library takes the bytes.
 
 /// A picture: sRGB bytes, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -8,42 +8,42 @@ pub struct Picture {
     rgb: Vec<[u8; 3]>,
 }
 
-/// What lies between and under pictures of different size.
+/// Fill colour below pictures of smaller height.
 const MOUNT: [u8; 3] = [255; 3];
 
 impl Picture {
-    /// A picture from its rows; `rgb` has `width * height` pixels.
+    /// Creates a picture from its rows; `rgb` has `width * height` pixels.
     pub(super) fn new(width: usize, height: usize, rgb: Vec<[u8; 3]>) -> Self {
         Self { width, height, rgb }
     }
 
-    /// Pixels in a row.
+    /// Returns the number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// All pixels, row by row from the top left.
+    /// Returns all pixels, row by row from the top left.
     pub fn pixels(&self) -> &[[u8; 3]] {
         &self.rgb
     }
 
-    /// The bytes red, green, blue of every pixel, row by row from the top left: `3 * width * height` of them.
+    /// Returns the bytes red, green, blue of every pixel, row by row from the top left: `3 * width * height` bytes.
     pub fn rgb_bytes(&self) -> &[u8] {
         self.rgb.as_flattened()
     }
 
-    /// The same bytes, for keeps.
+    /// Copies [`rgb_bytes`](Self::rgb_bytes) to a vector.
     pub fn to_rgb_bytes(&self) -> Vec<u8> {
         self.rgb_bytes().to_vec()
     }
 
-    /// Pictures in a row from left to right, tops aligned, the lower ones padded with white at their foot. Of no
-    /// pictures, an empty one.
+    /// Places pictures in a row from left to right, tops aligned; shorter pictures are padded with white at the bottom.
+    /// Without pictures, the result is an empty picture.
     pub fn beside(pictures: &[Picture]) -> Picture {
         let width = pictures.iter().map(|p| p.width).sum();
         let height = pictures.iter().map(|p| p.height).max().unwrap_or(0);

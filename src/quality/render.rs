@@ -1,4 +1,4 @@
-//! Pictures without a graphics card: one ray a sample, a studio of soft lights, the same bytes on any number of cores.
+//! Ray-cast pictures on the CPU: a ray a sample, soft studio lights, equal bytes on any number of cores.
 //!
 //! ```text
 //!            rim  \                     key: white, from above the left shoulder
@@ -8,7 +8,7 @@
 //!                    o eye
 //! ```
 //!
-//! The lights go with the camera, so every view of a mesh is lit alike and views of different meshes compare.
+//! The lights move with the camera: every view of a mesh is lit alike, and views of different meshes are comparable.
 
 use glam::{DVec3, Vec3};
 
@@ -26,37 +26,37 @@ use super::{
 
 /// Most pixels on a side.
 const MAX_SIDE: usize = 1 << 14;
-/// What back faces look like, so that flipped triangles and open insides are seen.
+/// Colour of back faces: shows flipped triangles and open insides.
 const BACK: [u8; 3] = [176, 120, 104];
-/// How far the surface shades itself, in parts of its size.
+/// Reach of ambient occlusion, as a share of the surface's size.
 const OCCLUSION_REACH: f64 = 0.5;
 
-/// How normals vary over a triangle.
+/// Variation of normals over a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Shading {
-    /// The mesh's own normals where it has them, else the mean of neighbouring triangles, apart across creases.
+    /// The mesh's own normals if it has them; otherwise the mean of neighbouring triangles, split at creases.
     #[default]
     Smooth,
-    /// One normal a triangle, to see the triangles.
+    /// A single normal for each triangle, to show the triangles.
     Flat,
 }
 
-/// What colour the surface has, sRGB.
+/// Colour of the surface, sRGB.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Colours {
-    /// A colour for every material id ([`palette::categorical`]); grey-blue where there are none.
+    /// A colour for each material id ([`palette::categorical`]); grey-blue without material ids.
     Materials,
-    /// The same everywhere.
+    /// A single colour for all triangles.
     Uniform([u8; 3]),
-    /// One per vertex, blended over triangles.
+    /// A colour per vertex, interpolated over triangles.
     PerVertex(Vec<[u8; 3]>),
-    /// One per triangle.
+    /// A colour per triangle.
     PerTriangle(Vec<[u8; 3]>),
 }
 
-/// How to [`render`].
+/// Options of [`render`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RenderOptions {
@@ -64,17 +64,18 @@ pub struct RenderOptions {
     pub width: usize,
     /// Number of rows, 1 to 16,384; default 800.
     pub height: usize,
-    /// How normals vary over a triangle; default smooth.
+    /// Variation of normals over a triangle; default smooth.
     pub shading: Shading,
-    /// What colour the surface has; default by material.
+    /// Colour of the surface; default by material.
     pub colours: Colours,
-    /// Width of triangle edges drawn over the surface, pixels; default 0, none. They fade where triangles are small.
+    /// Width of triangle edges drawn over the surface, pixels; default 0, none. Edges fade where triangles are small.
     pub edges: f32,
     /// Colour of the background at the top and at the foot, sRGB; default near white to light grey.
     pub background: [[u8; 3]; 2],
-    /// Rays a pixel: 2 x 2 where set, else one; default set.
+    /// Casts 2 x 2 rays a pixel if set, else 1; default set.
     pub supersampling: bool,
-    /// Rays a sample that look how much of the sky is seen, 0 to 255; default 4. 0 is fastest, and flatter.
+    /// Occlusion rays a sample, 0 to 255, estimating the visible share of the sky; default 4. 0 is fastest, and looks
+    /// flatter.
     pub occlusion_rays: u8,
 }
 
@@ -94,49 +95,49 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// With this size in pixels.
+    /// Sets width and height in pixels.
     #[must_use]
     pub fn with_size(mut self, width: usize, height: usize) -> Self {
         (self.width, self.height) = (width, height);
         self
     }
 
-    /// With this shading.
+    /// Sets the shading.
     #[must_use]
     pub fn with_shading(mut self, shading: Shading) -> Self {
         self.shading = shading;
         self
     }
 
-    /// With these colours.
+    /// Sets the colours.
     #[must_use]
     pub fn with_colours(mut self, colours: Colours) -> Self {
         self.colours = colours;
         self
     }
 
-    /// With triangle edges of this width in pixels.
+    /// Draws triangle edges of this width in pixels.
     #[must_use]
     pub fn with_edges(mut self, width: f32) -> Self {
         self.edges = width;
         self
     }
 
-    /// With a background from one colour at the top to another at the foot.
+    /// Sets the background's colours at the top and at the foot.
     #[must_use]
     pub fn with_background(mut self, top: [u8; 3], foot: [u8; 3]) -> Self {
         self.background = [top, foot];
         self
     }
 
-    /// With 2 x 2 rays a pixel, or one.
+    /// Sets 2 x 2 rays a pixel, or 1.
     #[must_use]
     pub fn with_supersampling(mut self, on: bool) -> Self {
         self.supersampling = on;
         self
     }
 
-    /// With this many occlusion rays a sample.
+    /// Sets the number of occlusion rays a sample.
     #[must_use]
     pub fn with_occlusion_rays(mut self, rays: u8) -> Self {
         self.occlusion_rays = rays;
@@ -144,13 +145,13 @@ impl RenderOptions {
     }
 }
 
-/// A picture of a mesh. A mesh without a surface gives the background.
+/// Draws a mesh. A mesh without a surface gives the background.
 ///
-/// O(pixels * rays * log n); the same bytes for any number of threads.
+/// O(pixels * rays * log n); equal bytes for any number of threads.
 ///
 /// # Errors
-/// A picture without pixels or too large; a camera that does not make a view; colours that are not one per vertex or
-/// triangle.
+/// The picture has no pixels or is too large; the camera does not define a view; the number of colours differs from the
+/// number of vertices or triangles.
 pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<Picture, QualityError> {
     let (width, height) = (options.width, options.height);
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
@@ -214,7 +215,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Linear light along the ray through a point of the picture; `None` where it misses the mesh.
+    /// Returns the linear light along the ray through a point of the picture; `None` if the ray misses the mesh.
     fn trace(&self, walker: &mut Walker<'_>, at: [f64; 2], pixel: u64, sample: u64) -> Option<Vec3> {
         let direction = self.view.direction(at[0], at[1]);
         let seen = self.sight.look(walker, self.view.eye, direction)?;
@@ -240,7 +241,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Share of the sky seen from a point, 0 to 1.
+    /// Returns the share of the sky seen from a point, 0 to 1.
     fn openness(&self, walker: &mut Walker<'_>, point: DVec3, normal: DVec3, pixel: u64, sample: u64) -> f32 {
         let rays = u64::from(self.options.occlusion_rays);
         if rays == 0 {
@@ -252,8 +253,8 @@ impl Scene<'_> {
         let start = [hash::unit(pixel, 0), hash::unit(pixel, 1)];
         let mut open = 0.0;
         for ray in sample * rays..(sample + 1) * rays {
-            // Even on the disc under the hemisphere, which is by the cosine on it; even over all rays of a pixel too
-            // (the plastic number's sequence, started anew for each).
+            // Directions are even on the disc under the hemisphere, so cosine-weighted on it. They are also even over
+            // all rays of a pixel (the plastic number's sequence, started anew for each pixel).
             let [across_disc, around] = [(0, 0.754_877_666_246_693), (1, 0.569_840_290_998_053)]
                 .map(|(axis, step): (usize, f64)| (start[axis] + step * ray as f64).fract());
             let (radius, (sin, cos)) = (across_disc.sqrt(), (std::f64::consts::TAU * around).sin_cos());
@@ -269,7 +270,7 @@ impl Scene<'_> {
         let [right, up, forward] = self.view.axes.map(|axis| axis.as_vec3());
         let from = |x: f32, y: f32, z: f32| (right * x + up * y - forward * z).normalize();
         let (key, fill, rim) = (from(-0.55, 0.75, 0.65), from(0.9, 0.05, 0.55), from(0.35, 0.65, -0.75));
-        // Wrapped a little around the form, as from a large source.
+        // Wrapped a little around the shape, as from a large light source.
         let soft = |light: Vec3, wrap: f32| ((normal.dot(light) + wrap) / (1.0 + wrap)).max(0.0);
         let sky = 0.5 + 0.5 * normal.dot(up);
         let grazing = (1.0 + normal.dot(direction)).clamp(0.0, 1.0);
@@ -284,9 +285,9 @@ impl Scene<'_> {
         base * (ambient + direct + outline * 0.6) + outline * 0.12 + Vec3::splat(shine)
     }
 
-    /// How much of an edge line covers a point of the picture, 0 to 1.
+    /// Returns the coverage of a point of the picture by an edge line, 0 to 1.
     fn edge(&self, hit: &RayHit, at: [f64; 2]) -> f32 {
-        // Not a number is no width.
+        // NaN counts as width 0.
         let width = f64::from(self.options.edges).max(0.0);
         if width == 0.0 {
             return 0.0;
@@ -302,7 +303,7 @@ impl Scene<'_> {
     }
 }
 
-/// Distance of a point from a segment.
+/// Returns the distance of a point from a segment.
 fn from_line(at: [f64; 2], p: [f64; 2], q: [f64; 2]) -> f64 {
     let (edge, offset) = ([q[0] - p[0], q[1] - p[1]], [at[0] - p[0], at[1] - p[1]]);
     let square = (edge[0] * edge[0] + edge[1] * edge[1]).max(f64::MIN_POSITIVE);
@@ -314,7 +315,7 @@ fn backdrop(colours: [[u8; 3]; 2], down: f32) -> Vec3 {
     to_linear(colours[0]).lerp(to_linear(colours[1]), down)
 }
 
-/// Light of an sRGB colour (IEC 61966-2-1).
+/// Converts an sRGB colour to linear light (IEC 61966-2-1).
 fn to_linear(colour: [u8; 3]) -> Vec3 {
     Vec3::from_array(colour.map(|byte| {
         let x = f32::from(byte) / 255.0;

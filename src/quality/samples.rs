@@ -1,15 +1,15 @@
-//! Points spread evenly over a surface or along its edges: one per equal share of area or length, in an order that
-//! wanders from neighbour to neighbour.
+//! Points spread evenly over a surface or along its edges: a point per equal share of area or length, ordered so that
+//! consecutive points are neighbours.
 //!
 //! ```text
 //!     shares    |-----|-----|-----|-----|-----|        one jittered position in each share of the total
 //!     elements  |--------|---|------------|---|        the element under it, and how far along it is
 //! ```
 //!
-//! Along an edge the remainder is the point. Within a triangle it goes along Sierpinski's curve, which halves the
-//! triangle from apex to middle of the opposite edge again and again: equal stretches of the curve cover equal areas.
-//! So every sample has its own piece of surface of the same area, across triangles large and small, and its
-//! neighbours in order are neighbours in space (which is what the search for the nearest point profits from).
+//! On an edge, the distance along the element gives the point. In a triangle, it is a position on Sierpinski's curve.
+//! The curve halves the triangle from the apex to the middle of the opposite edge, again and again: equal stretches of
+//! the curve cover equal areas. So each sample has its own piece of surface of equal area, across triangles of any
+//! size. Neighbours in order are neighbours in space, which speeds up the search for the nearest point.
 
 use super::hash;
 
@@ -18,14 +18,14 @@ const HALVINGS: u32 = 24;
 
 /// Elements (triangles, edges) laid end to end by their measure (area, length).
 pub(crate) struct Shares {
-    /// Where each element ends, its measure added to those before.
+    /// End of each element: running sum of the measures.
     ends: Vec<f64>,
     samples: usize,
     seed: u64,
 }
 
 impl Shares {
-    /// `samples` positions over elements of the given measures.
+    /// Lays `samples` positions over elements of the given measures.
     pub(crate) fn new(measures: impl Iterator<Item = f64>, samples: usize, seed: u64) -> Self {
         let mut total = 0.0;
         let ends = measures
@@ -37,12 +37,12 @@ impl Shares {
         Self { ends, samples, seed }
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub(crate) fn len(&self) -> usize {
         if self.ends.is_empty() { 0 } else { self.samples }
     }
 
-    /// The element and the position along it (0..1) of each sample of a range.
+    /// Returns the element and the position along it (0..1) of each sample of a range.
     pub(crate) fn positions(&self, range: std::ops::Range<usize>) -> impl Iterator<Item = (usize, f64)> + '_ {
         let total = self.ends.last().copied().unwrap_or(0.0);
         let share = total / self.samples.max(1) as f64;
@@ -60,8 +60,8 @@ impl Shares {
     }
 }
 
-/// Weights of a triangle's corners at a position (0..1) along its Sierpinski curve, which runs from the first corner
-/// to the second. Preserves measure: even positions give points spread evenly over the area.
+/// Returns the weights of a triangle's corners at a position (0..1) on its Sierpinski curve from the first corner to
+/// the second. Preserves measure: evenly spread positions give evenly spread points of the area.
 pub(crate) fn sierpinski(along: f64) -> [f64; 3] {
     // The piece's two ends on the curve and its apex, as weights of the second and third corner.
     let (mut from, mut to, mut apex) = ([0.0, 0.0], [1.0, 0.0], [0.0, 1.0]);
@@ -92,7 +92,7 @@ mod tests {
         for i in 0..count {
             let w = sierpinski((f64::from(i) + 0.5) / f64::from(count));
             assert!(w.iter().all(|&x| x >= 0.0) && (w.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            // The middle triangle, or the one at a corner: a quarter of the area each.
+            // The middle triangle, or a triangle at a corner: a quarter of the area each.
             quarter[w.iter().position(|&x| x > 0.5).map_or(3, |corner| corner)] += 1;
         }
         assert!(quarter.iter().all(|&q| q.abs_diff(count as usize / 4) < 200), "{quarter:?}");

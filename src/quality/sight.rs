@@ -1,35 +1,35 @@
-//! What a ray sees of a mesh: where it first meets the surface, from which side, and the normal to shade with.
+//! Ray casting against a mesh: first intersection with the surface, its side, and the normal to shade with.
 //!
-//! All in sums, products, quotients and square roots, so that it is the same bits on every machine.
+//! Uses sums, products, quotients and square roots only: equal bits on every machine.
 
 use glam::{DVec3, Vec3};
 
 use super::bvh::{Bvh, RayHit, Walker};
 
-/// A surface and the normals to shade it with.
+/// A surface and its shading normals.
 pub(super) struct Sight<'a> {
     pub bvh: &'a Bvh,
-    /// Three to a triangle; empty for flat shading.
+    /// Three normals to a triangle; empty for flat shading.
     pub normals: Vec<Vec3>,
 }
 
-/// What a ray sees.
+/// The surface seen by a ray.
 pub(super) struct SeenSurface {
     pub hit: RayHit,
-    /// The mesh's triangle.
+    /// Triangle of the mesh.
     pub triangle: usize,
-    /// Weights of its corners.
+    /// Barycentric weights of the triangle's corners.
     pub weights: [f32; 3],
-    /// Whether its front is seen.
+    /// True if the triangle's front is seen.
     pub front: bool,
-    /// Its unit normal on the viewer's side.
+    /// Unit normal of the triangle on the viewer's side.
     pub facing: DVec3,
-    /// The unit normal to shade with, on the viewer's side.
+    /// Unit normal to shade with; on the viewer's side.
     pub normal: Vec3,
 }
 
 impl Sight<'_> {
-    /// Along a unit direction; `None` where the ray misses the surface.
+    /// Casts a ray along a unit direction; `None` if it misses the surface.
     pub(super) fn look(
         &self,
         walker: &mut Walker<'_>,
@@ -53,7 +53,7 @@ impl Sight<'_> {
         let blend =
             (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]).normalize_or(face);
         let normal = if front { blend } else { -blend };
-        // Where the triangle is seen and its smooth normal points away: the nearest that does not.
+        // If the triangle is visible but its smooth normal points away: take the nearest normal that does not.
         let away = normal.dot(direction);
         if away > 0.0 { (normal - direction * away).normalize_or(flat) } else { normal }
     }

@@ -1,4 +1,4 @@
-//! Which side of a closed surface a point lies on: signed distances, positive outside.
+//! Signed distances to a closed surface, positive outside.
 //!
 //! ```text
 //!       n1 \   p             nearest to p is an edge or a corner: neither n1 nor n2 alone need tell the side,
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Source: Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal", TVCG 11(3),
-//! 2005. Normals are summed over the triangles that contain the nearest point, found by position: vertices apart by
-//! index, edges with corners of others on them and any number of triangles around an edge need no care.
+//! 2005. Normals are summed over the triangles containing the nearest point. Triangles are found by position, so
+//! duplicate vertices, T-junctions and edges with any number of triangles need no special case.
 
 use glam::DVec3;
 
@@ -23,22 +23,22 @@ use super::{
     triangle::{angle_at, unit_normal},
 };
 
-/// Signed distance from one surface to another that is closed, object units, positive outside.
+/// Signed distance from a surface to a closed surface, object units, positive outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SignedOneSided {
-    /// Mean signed distance over the area: positive where the surface lies mostly outside the other.
+    /// Mean signed distance over the area: positive if the surface lies mostly outside the other.
     pub mean: f64,
-    /// Largest distance found outside the other, 0 where no sample is.
+    /// Largest distance found outside the other surface; 0 if no sample is outside.
     pub outside: f64,
-    /// Largest depth found inside the other, 0 where no sample is.
+    /// Largest depth found inside the other surface; 0 if no sample is inside.
     pub inside: f64,
-    /// Where the signed distance is largest.
+    /// Point of the largest signed distance.
     pub outside_at: [f64; 3],
-    /// Where the signed distance is smallest.
+    /// Point of the smallest signed distance.
     pub inside_at: [f64; 3],
-    /// Share of the area that is inside the other, 0 to 1. What lies on the other's surface counts as outside.
+    /// Share of the area inside the other surface, 0 to 1. Points on the other surface count as outside.
     pub inside_share: f64,
 }
 
@@ -47,21 +47,22 @@ pub struct SignedOneSided {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SignedDistance {
-    /// From the first to the second: positive where the first lies outside the second.
+    /// From the first to the second: positive if the first lies outside the second.
     pub forward: SignedOneSided,
-    /// From the second to the first: positive where the second lies outside the first.
+    /// From the second to the first: positive if the second lies outside the first.
     pub backward: SignedOneSided,
 }
 
-/// How far two closed surfaces lie outside and inside each other. Samples as [`distance`](super::distance()) takes them.
+/// Measures how far two closed surfaces lie outside and inside each other. Samples as [`distance`](super::distance())
+/// does.
 ///
-/// Outside is where triangles are counter-clockwise; a mesh turned inside out gives the opposite signs. Bodies that
-/// overlap or cut themselves are judged by the surface nearest to the point. Sheets without thickness have no inside.
-/// O((n + samples) log n).
+/// Outside is the side from which triangles appear counter-clockwise: a mesh turned inside out gives opposite signs. If
+/// bodies overlap or intersect themselves, the surface nearest to the point decides. Sheets without thickness have no
+/// inside. O((n + samples) log n).
 ///
 /// # Errors
-/// A mesh without a surface, or one that is open or inconsistently oriented, as [`volume()`](super::volume()) needs it;
-/// a number of samples that is not 1 to 2^32 - 1.
+/// A mesh has no surface, is open or is inconsistently oriented (as for [`volume()`](super::volume())); `samples` is
+/// not in 1 to 2^32 - 1.
 ///
 /// ```
 /// use multires::{mesh::shapes, quality::{DistanceOptions, signed_distance}};
@@ -85,21 +86,21 @@ pub fn signed_distance(
     })
 }
 
-/// Signed distance of every vertex of a mesh from the closed surface of another, object units, positive outside.
-/// O((n + m) log m).
+/// Measures the signed distance of every vertex of a mesh from the closed surface of another, object units, positive
+/// outside. O((n + m) log m).
 ///
 /// # Errors
-/// The second mesh has no surface, or it is open or inconsistently oriented. The first needs none.
+/// The second mesh has no surface, is open or is inconsistently oriented. The first mesh needs no surface.
 pub fn vertex_signed_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError> {
     Surface::named(to, "second")?.signed(from.positions(), "second")
 }
 
 impl Surface<'_> {
-    /// How far this surface lies outside and inside of another, which is closed: the forward half of
-    /// [`signed_distance`]. This one may be open.
+    /// Measures how far this surface lies outside and inside a closed surface: the forward half of [`signed_distance`].
+    /// This surface may be open.
     ///
     /// # Errors
-    /// `other` is open or inconsistently oriented; a number of samples that is not 1 to 2^32 - 1.
+    /// `other` is open or inconsistently oriented; `samples` is not in 1 to 2^32 - 1.
     pub fn signed_distance_to(
         &self,
         other: &Surface<'_>,
@@ -109,8 +110,8 @@ impl Surface<'_> {
         Ok(one_sided(self, other, other.solid("second")?, options))
     }
 
-    /// Signed distance of every point from the surface, object units, positive outside. Points that are not finite
-    /// are infinitely far outside. O(log n) expected for each.
+    /// Returns the signed distance of every point from the surface, object units, positive outside. Points that are not
+    /// finite are infinitely far outside. O(log n) expected for each point.
     ///
     /// # Errors
     /// The surface is open or inconsistently oriented.
@@ -131,20 +132,20 @@ impl Surface<'_> {
     }
 }
 
-/// What tells inside from outside.
+/// Orientation data to tell inside from outside.
 #[derive(Debug)]
 pub(super) struct Solid {
-    /// Per slot how many coincident triangles face the way of the slot's, less those that face the other way. Empty
-    /// where no two coincide.
+    /// For each slot, the coincident triangles facing as the slot's triangle, minus the triangles facing the other way.
+    /// Empty if no triangles coincide.
     facing: Vec<f64>,
 }
 
 impl Solid {
-    /// Of a surface; an error where it is open or inconsistently oriented. O(n log n).
+    /// Prepares a surface. Fails if the surface is open or inconsistently oriented. O(n log n).
     pub(super) fn new(mesh: &Mesh, bvh: &Bvh) -> Result<Self, QualityError> {
         check_closed(mesh, "given")?;
-        // Coincident triangles that all turn one way make the surface no less closed, but those against each other
-        // are no surface at all.
+        // Coincident triangles facing the same way leave the surface closed. Opposite triangles cancel: they are no
+        // surface.
         let topology = Topology::new(mesh);
         let mut named: Vec<([u32; 3], u32, bool)> = mesh
             .triangles()
@@ -172,7 +173,7 @@ impl Solid {
         Ok(Self { facing: bvh.triangle_of().iter().map(|&t| net[t as usize]).collect() })
     }
 
-    /// Signed distance of a point.
+    /// Returns the signed distance of a point.
     fn distance(&self, bvh: &Bvh, walker: &mut Walker<'_>, point: DVec3) -> f64 {
         let nearest = walker.closest(point);
         let distance = nearest.distance_squared.sqrt();
@@ -184,7 +185,7 @@ impl Solid {
             (unit_normal(&corners) * (facing * angle), angle)
         };
         let (mut sum, angle) = weighted(nearest.slot);
-        // Inside a triangle there is nothing else to ask.
+        // Inside a triangle its own normal decides.
         if angle < std::f64::consts::TAU {
             sum = DVec3::ZERO;
             walker.touching(nearest.point, |slot| sum += weighted(slot).0);
@@ -193,7 +194,7 @@ impl Solid {
     }
 }
 
-/// Sums over one chunk of samples.
+/// Sums over a chunk of samples.
 #[derive(Clone, Copy)]
 struct Partial {
     count: usize,

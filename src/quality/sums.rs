@@ -1,7 +1,7 @@
-//! Mean, root mean square and maximum of many values, added up by chunks and joined in order.
+//! Mean, root mean square and maximum of many values, summed by chunks and joined in order.
 
-/// Sums of values, and where the largest is. Squares of single precision numbers are far inside the range of double
-/// precision.
+/// Sums of values and of their squares, and where the largest value is. Squares of single precision numbers are far
+/// inside the range of double precision.
 #[derive(Clone, Copy)]
 pub(super) struct Sums<At> {
     sum: f64,
@@ -20,7 +20,7 @@ impl<At: Copy> Sums<At> {
         }
     }
 
-    /// With those that come after. Of equal maxima the first stays.
+    /// Adds the sums of later values. Of equal maxima, the first is kept.
     pub(super) fn join(self, later: Self) -> Self {
         let highest = match (self.highest, later.highest) {
             (Some(first), Some(second)) => Some(if second.0 > first.0 { second } else { first }),
@@ -41,7 +41,7 @@ impl<At: Copy> Sums<At> {
         (self.sum_of_squares / count.max(1) as f64).sqrt()
     }
 
-    /// The largest value and where it is.
+    /// Returns the largest value and where it is.
     pub(super) fn highest(&self) -> Option<(f64, At)> {
         self.highest
     }

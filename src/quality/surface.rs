@@ -1,11 +1,11 @@
-//! A mesh prepared once for measuring: its hierarchy of boxes, and what is sampled on it.
+//! A mesh prepared once for measuring: its hierarchy of boxes, and its samples.
 //!
 //! ```text
 //!     Surface::new(original)  --distance-->  Surface::new(level 1)      the original's hierarchy is built once,
 //!                             --distance-->  Surface::new(level 2)      not once a level
 //! ```
 //!
-//! What only some measures need (corners and edges to sample, which side is outside) is made when it is first asked for.
+//! Data needed only by some measures (corners and edges to sample, orientation) is built on first use.
 
 use std::sync::OnceLock;
 
@@ -22,15 +22,15 @@ use super::{
     triangle::{Corners, normal},
 };
 
-/// Samples of one unit of work. The result depends on it (the order of sums), so it never depends on the machine.
+/// Samples of a unit of work. The result depends on this number (order of sums), so the machine must not change it.
 pub(super) const CHUNK: usize = 4096;
-/// Most samples, so that sums keep their digits and a slip of the pen does not run for days.
+/// Most samples: keeps the precision of sums, and stops a mistyped number from running for days.
 const MAX_SAMPLES: usize = u32::MAX as usize;
 
-/// A mesh prepared once for measuring, to measure many others against it.
+/// A mesh prepared once for measuring, to measure many meshes against it.
 ///
-/// The surface is the triangles that have an area; coincident ones count once, and vertices that only other triangles
-/// use do not count. Some 130 bytes a triangle, and as much again once edges are sampled.
+/// The surface consists of the triangles with an area. Coincident triangles count once. Vertices used only by other
+/// triangles do not count. Some 130 bytes a triangle, and about as much again once edges are sampled.
 ///
 /// ```
 /// use multires::{Simplifier, mesh::shapes, quality::{DistanceOptions, Surface}};
@@ -55,7 +55,7 @@ pub struct Surface<'mesh> {
     solid: OnceLock<Result<Solid, QualityError>>,
 }
 
-/// Every vertex and every edge of the surface once, in the order of its slots.
+/// Each vertex and each edge of the surface once, in the order of its slots.
 #[derive(Debug)]
 struct Outline {
     corners: Vec<u32>,
@@ -71,7 +71,7 @@ impl<'mesh> Surface<'mesh> {
         Self::named(mesh, "given")
     }
 
-    /// The same, with what to call the mesh in errors.
+    /// Prepares a mesh, called `which` in errors. O(n log n).
     pub(super) fn named(mesh: &'mesh Mesh, which: &'static str) -> Result<Self, QualityError> {
         let triangles = mesh.triangles().len();
         let bvh = Bvh::new(mesh).ok_or(QualityError::NoSurface { which, triangles })?;
@@ -79,19 +79,19 @@ impl<'mesh> Surface<'mesh> {
         Ok(Self { mesh, bvh, diagonal: mesh.diagonal(), outline, solid })
     }
 
-    /// The mesh it was made of.
+    /// Returns the mesh of the surface.
     pub fn mesh(&self) -> &'mesh Mesh {
         self.mesh
     }
 
-    /// Diagonal of the mesh's box ([`Mesh::diagonal`]), object units.
+    /// Returns the diagonal of the mesh's box ([`Mesh::diagonal`]), object units.
     pub fn diagonal(&self) -> f64 {
         self.diagonal
     }
 
-    /// Distance of every point from the surface, object units, never negative: to colour a level's vertices by their
-    /// error ([`palette::colours`](super::palette::colours)). Points must be finite, as those of a [`Mesh`] are;
-    /// others get an infinite distance. O(log n) expected for each.
+    /// Returns the distance of every point from the surface, object units, never negative. Colours for a level's
+    /// vertices by distance: [`palette::colours`](super::palette::colours). Points that are not finite get an infinite
+    /// distance; all positions of a [`Mesh`] are finite. O(log n) expected for each point.
     pub fn point_distances(&self, points: &[[f32; 3]]) -> Vec<f64> {
         let chunks = map_chunks(points.len(), CHUNK, |range| {
             let mut walker = self.bvh.walker();
@@ -104,19 +104,21 @@ impl<'mesh> Surface<'mesh> {
         chunks.concat()
     }
 
-    /// The hierarchy.
+    /// Returns the hierarchy of boxes.
     pub(super) fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    /// What tells inside from outside.
+    /// Returns the orientation data to tell inside from outside, built on first use. The mesh is called `which` in
+    /// errors.
     pub(super) fn solid(&self, which: &'static str) -> Result<&Solid, QualityError> {
         let solid = self.solid.get_or_init(|| Solid::new(self.mesh, &self.bvh));
         solid.as_ref().map_err(|error| error.clone().of(which))
     }
 
-    /// `add` for every sample on the faces (its slot, the weights of the corners there, and the point), into what
-    /// `start` makes for every chunk, in order. Every sample stands for the same area.
+    /// Calls `add` for every sample on the faces with its slot, the weights of the corners there, and the point.
+    /// `start` makes an accumulator for every chunk. Returns the accumulators in order. Each sample stands for an equal
+    /// area.
     pub(super) fn on_faces<T: Send>(
         &self,
         options: &DistanceOptions,
@@ -135,7 +137,8 @@ impl<'mesh> Surface<'mesh> {
         })
     }
 
-    /// The same for every corner: its vertex, and where it is.
+    /// Calls `add` for every corner of the surface with its vertex and position. Returns the chunks' accumulators in
+    /// order.
     pub(super) fn on_corners<T: Send>(
         &self,
         start: impl Fn() -> T + Sync,
@@ -149,7 +152,8 @@ impl<'mesh> Surface<'mesh> {
         })
     }
 
-    /// The same for samples along the edges, a quarter as many as on faces.
+    /// Calls `add` for every sample along the edges, a quarter as many as on faces. Returns the chunks' accumulators in
+    /// order.
     pub(super) fn on_edges<T: Send>(
         &self,
         options: &DistanceOptions,
@@ -169,7 +173,7 @@ impl<'mesh> Surface<'mesh> {
         })
     }
 
-    /// How many points [`on_corners`](Self::on_corners) and [`on_edges`](Self::on_edges) ask for.
+    /// Returns how many points [`on_corners`](Self::on_corners) and [`on_edges`](Self::on_edges) pass to `add`.
     pub(super) fn outline_samples(&self, options: &DistanceOptions) -> usize {
         self.outline().corners.len() + options.edge_samples()
     }
@@ -184,7 +188,7 @@ impl<'mesh> Surface<'mesh> {
 }
 
 impl DistanceOptions {
-    /// Refuses what cannot be sampled.
+    /// Checks the number of samples.
     pub(super) fn check(&self) -> Result<(), QualityError> {
         if (1..=MAX_SAMPLES).contains(&self.samples) {
             Ok(())

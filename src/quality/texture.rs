@@ -1,4 +1,4 @@
-//! How far a texture slides: the difference of texture coordinates between a point and the one nearest to it.
+//! Texture deviation: the difference of texture coordinates between a point and the nearest point of another surface.
 
 use glam::{DVec2, DVec3};
 
@@ -23,25 +23,24 @@ pub struct TextureDeviation {
     pub mean: f64,
     /// Root of the mean square difference over the area.
     pub rms: f64,
-    /// Where on the original the largest difference is, object units.
+    /// Point of the original with the largest difference, object units.
     pub max_at: [f64; 3],
-    /// The texture coordinate there.
+    /// Texture coordinate of the original at `max_at`.
     pub uv_at: [f64; 2],
-    /// The texture coordinate of the level at the point nearest to it.
+    /// Texture coordinate of the level at the point nearest to `max_at`.
     pub uv_to: [f64; 2],
 }
 
-/// How far a texture slides on a level as one sees it: the texture coordinate at samples of the original against that at
-/// the nearest point of the level.
+/// Measures how far a texture appears to slide on a level: the texture coordinates at samples of the original against
+/// the coordinates at the nearest points of the level.
 ///
-/// Coordinates are those of the attribute `uv`, as they are: no wrapping around. Where the nearest point lies on an edge
-/// or a corner, and so perhaps on a seam, the triangle there that differs least counts. Where a level's seam has moved
-/// sideways, the points between both seams see the wrong side of it: that is an error, and it is as large as the
-/// seam's jump. Mean and rms tell such places from a texture that has slid everywhere. O((n + samples) log n).
+/// Coordinates are the values of the attribute `uv`, without wrapping. If the nearest point lies on an edge or a
+/// corner, perhaps on a seam, the triangle with the smallest difference there counts. If a level's seam has moved
+/// sideways, points between both seams see the wrong side of the seam: an error as large as the seam's jump. Mean and
+/// rms tell such places from a texture slid everywhere. O((n + samples) log n).
 ///
 /// # Errors
-/// A mesh without a surface, without texture coordinates or with any that are not finite; a number of samples that is
-/// not 1 to 2^32 - 1.
+/// A mesh has no surface, or no texture coordinates, or coordinates that are not finite; `samples` is not in `1..2^32`.
 ///
 /// ```
 /// use multires::{Simplifier, mesh::shapes, quality::{DistanceOptions, texture_deviation}};
@@ -63,10 +62,11 @@ pub fn texture_deviation(
 }
 
 impl Surface<'_> {
-    /// How far a texture slides from this surface to a level of it: [`texture_deviation`] without building anything.
+    /// Measures how far a texture slides from this surface to a level of it: [`texture_deviation`] on prepared
+    /// surfaces.
     ///
     /// # Errors
-    /// A mesh without texture coordinates or with any that are not finite; a number of samples that is not 1 to 2^32 - 1.
+    /// A mesh has no texture coordinates, or coordinates that are not finite; `samples` is not in 1 to 2^32 - 1.
     pub fn texture_deviation_to(
         &self,
         level: &Surface<'_>,
@@ -118,7 +118,7 @@ impl<'a> Texture<'a> {
         }
     }
 
-    /// The coordinate inside a slot's triangle.
+    /// Returns the coordinate at a point of a slot's triangle.
     fn at(&self, slot: u32, weights: [f64; 3]) -> DVec2 {
         let triangle = self.surface.bvh().triangle_of()[slot as usize] as usize;
         let corner = |v: u32| {
@@ -129,7 +129,8 @@ impl<'a> Texture<'a> {
         a + (b - a) * weights[1] + (c - a) * weights[2]
     }
 
-    /// The coordinate at the point nearest to `point`; of several triangles there, the one nearest to `like`.
+    /// Returns the coordinate at the point nearest to `point`; of several triangles there, the coordinate nearest to
+    /// `like`.
     fn nearest(&self, walker: &mut Walker<'_>, point: DVec3, like: DVec2) -> DVec2 {
         let bvh = self.surface.bvh();
         let nearest = walker.closest(point);

@@ -1,27 +1,27 @@
-//! One triangle: whether it has an area, its nearest point, where a ray meets it, and what it subtends at a point.
+//! Geometry of a single triangle: degeneracy, nearest point, intersection with a ray, angle and weights at a point.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-/// A corner whose squared sine is below this has weights that rounding may spoil.
+/// Squared sine of a corner below which rounding may spoil the weights.
 const SLIVER: f64 = 1e-10;
 
 /// The corners of a triangle, object units.
 pub(crate) type Corners = [DVec3; 3];
 
-/// Whether a triangle has an area. Differences and products of single precision numbers lose next to nothing in
-/// double precision, so this needs no tolerance.
+/// Tests if a triangle has an area. Needs no tolerance: differences and products of single precision numbers lose
+/// almost nothing in double precision.
 pub(crate) fn has_area(&[a, b, c]: &Corners) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The point of a triangle nearest to `p`, and its distance squared.
+/// Returns the point of a triangle nearest to `p`, and its squared distance.
 ///
-/// Inside the prism over the triangle it is the foot on the plane; elsewhere it lies on one of the at most two edges
-/// that `p` is on the outer side of. Whatever rounding does to the weights, the answer is a point of the triangle and
-/// its distance from `p`, never less than the true distance. In a sliver all edges are tried too: nothing is farther
-/// from them than half its height.
+/// Inside the prism over the triangle it is the projection of `p` onto the plane. Elsewhere it lies on an edge with `p`
+/// on its outer side (at most two edges). For any rounding of the weights, the result is a point of the triangle with
+/// its distance from `p`, so never below the true distance. In a sliver all edges are tried too: no point of the
+/// triangle is farther from the edges than half its height.
 pub(crate) fn closest_on_triangle(&[a, b, c]: &Corners, p: DVec3) -> (DVec3, f64) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(ac);
@@ -50,7 +50,7 @@ pub(crate) fn closest_on_triangle(&[a, b, c]: &Corners, p: DVec3) -> (DVec3, f64
     best
 }
 
-/// Where a ray meets a triangle: `t > 0` and the weights of the corners (Moller and Trumbore 1997).
+/// Intersects a ray with a triangle: returns `t > 0` and the weights of the corners (Moller and Trumbore 1997).
 pub(crate) fn hit_triangle(&[a, b, c]: &Corners, origin: DVec3, direction: DVec3) -> Option<(f64, [f64; 3])> {
     let (ab, ac, ao) = (b - a, c - a, origin - a);
     let normal = ab.cross(ac);
@@ -60,23 +60,23 @@ pub(crate) fn hit_triangle(&[a, b, c]: &Corners, origin: DVec3, direction: DVec3
     }
     let turned = ao.cross(direction);
     let (t, v, w) = (ao.dot(normal) / facing, ac.dot(turned) / facing, -ab.dot(turned) / facing);
-    // A hair of overlap, so that no ray slips between two triangles.
+    // Triangles overlap slightly, so no ray slips between two neighbours.
     let edge = -1e-12;
     (v >= edge && w >= edge && v + w <= 1.0 - edge && t > 0.0).then_some((t, [1.0 - v - w, v, w]))
 }
 
-/// The unit normal; zero for a triangle without an area.
+/// Returns the unit normal; zero for a triangle without an area.
 pub(crate) fn unit_normal(corners: &Corners) -> DVec3 {
     normal(corners).normalize_or_zero()
 }
 
-/// The normal, twice the area long.
+/// Returns the normal; its length is twice the area.
 pub(crate) fn normal(&[a, b, c]: &Corners) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// The angle that a triangle fills around a point on it, radians: a full turn inside, half a turn on an edge, its own
-/// angle at a corner. Nearer than `snap` to an edge or a corner is on it.
+/// Returns the angle filled by a triangle around a point on it, radians: 2 pi inside, pi on an edge, the corner's angle
+/// at a corner. A point within `snap` of an edge or a corner counts as on it.
 pub(crate) fn angle_at(&[a, b, c]: &Corners, point: DVec3, snap: f64) -> f64 {
     for (corner, next, last) in [(a, b, c), (b, c, a), (c, a, b)] {
         if (point - corner).length() <= snap {
@@ -91,7 +91,8 @@ pub(crate) fn angle_at(&[a, b, c]: &Corners, point: DVec3, snap: f64) -> f64 {
     if [(a, b), (b, c), (c, a)].into_iter().any(beside) { PI } else { TAU }
 }
 
-/// Weights of the corners at a point of the triangle, none negative. In a sliver, along its longest edge.
+/// Returns the weights of the corners at a point of the triangle, none negative. In a sliver, weights along its longest
+/// edge.
 pub(crate) fn weights_at(corners @ &[a, b, c]: &Corners, point: DVec3) -> [f64; 3] {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let normal = ab.cross(ac);

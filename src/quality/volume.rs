@@ -1,8 +1,8 @@
-//! What a mesh encloses, how large its surface is, and how far its triangles are from equilateral.
+//! Volume and area of a mesh, and how far its triangles are from equilateral.
 //!
 //! Source: Southern, "Quality control tools for interactive rendering of 3D triangle meshes", sections 2.5 and 4.2
-//! (K_vol, K_sliver, and K_Tri of Frey and Borouchaki 1997). Volume means something only where the surface is closed and agrees on what is outside; where
-//! it does not there is none, rather than a number.
+//! (K_vol, K_sliver, and K_Tri of Frey and Borouchaki 1997). Volume is defined only for closed, consistently oriented
+//! surfaces; for others there is no number.
 
 use glam::DVec3;
 
@@ -10,11 +10,12 @@ use crate::mesh::Mesh;
 
 use super::closed::check_closed;
 
-/// Enclosed volume in cubic object units, negative where the triangles face inward.
+/// Returns the enclosed volume in cubic object units, negative if the triangles face inward.
 ///
-/// `None` without triangles, and unless every edge between two positions is run through as often one way as the other:
-/// then the surface is open or inconsistently oriented, and the sum would depend on the origin. Vertices at the same
-/// position count as one. Bodies apart add up, and a cavity's surface facing into it is taken off. O(n log n).
+/// `None` without triangles, or unless each edge between two positions is traversed equally often in both directions.
+/// Otherwise the surface is open or inconsistently oriented, and the sum would depend on the origin. Vertices at the
+/// same position count as a single vertex. Separate bodies add up; a cavity whose surface faces into it is subtracted.
+/// O(n log n).
 ///
 /// ```
 /// use multires::{mesh::Mesh, quality::volume};
@@ -28,7 +29,7 @@ pub fn volume(mesh: &Mesh) -> Option<f64> {
     if check_closed(mesh, "given").is_err() {
         return None;
     }
-    // About the middle, so that nothing cancels far from the origin.
+    // Relative to the middle: avoids cancellation far from the origin.
     let middle = low + (high - low) * 0.5;
     let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) - middle;
     let six = mesh.triangles().iter().map(|t| {
@@ -38,10 +39,10 @@ pub fn volume(mesh: &Mesh) -> Option<f64> {
     Some(six.sum::<f64>() / 6.0)
 }
 
-/// Volume of a level in shares of the original's: K_vol as Southern normalises it (section 4.2.1). 1 where nothing
-/// was lost; a level may also gain.
+/// Returns the volume of a level divided by the original's: K_vol as normalised by Southern (section 4.2.1). 1 if no
+/// volume is lost; a level may also gain.
 ///
-/// `None` where either is open or inconsistently oriented ([`volume()`]), or the original holds nothing. O(n log n).
+/// `None` if either mesh is open or inconsistently oriented ([`volume()`]), or the original's volume is 0. O(n log n).
 ///
 /// ```
 /// use multires::{mesh::shapes, quality::volume_ratio};
@@ -53,7 +54,7 @@ pub fn volume_ratio(original: &Mesh, level: &Mesh) -> Option<f64> {
     ratio.is_finite().then_some(ratio)
 }
 
-/// Area of all triangles in square object units. O(n).
+/// Returns the area of all triangles in square object units. O(n).
 pub fn area(mesh: &Mesh) -> f64 {
     let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
     let twice = mesh.triangles().iter().map(|t| {
@@ -63,29 +64,29 @@ pub fn area(mesh: &Mesh) -> f64 {
     twice.sum::<f64>() * 0.5
 }
 
-/// How far a mesh's triangles are from equilateral.
+/// Shape measures of a mesh's triangles: how far they are from equilateral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ShapeReport {
-    /// Triangles measured: those that have an area.
+    /// Triangles measured: triangles with an area.
     pub triangles: usize,
-    /// Triangles left out: those that have none.
+    /// Triangles left out: triangles without an area.
     pub degenerate: usize,
-    /// Mean of (sum of the edges) / (3 * shortest edge), Southern's K_sliver: 1 for equilateral triangles, above 2
-    /// poor. 0 where nothing was measured, like the rest.
+    /// Mean of (sum of the edges) / (3 * shortest edge), Southern's K_sliver: 1 for equilateral triangles, above 2 is
+    /// poor. Like all measures, 0 if no triangle has an area.
     pub sliver_mean: f64,
-    /// The largest of these ratios.
+    /// Largest (sum of the edges) / (3 * shortest edge).
     pub sliver_max: f64,
     /// Mean of Q_f = (6 / sqrt(3)) * area / (half the perimeter * longest edge), Frey and Borouchaki's aspect ratio:
     /// 1 for equilateral triangles, 0 for flat ones. Southern's K_Tri (section 2.5.2).
     pub aspect_mean: f64,
-    /// The smallest Q_f.
+    /// Smallest Q_f ([`aspect_mean`](Self::aspect_mean)).
     pub aspect_min: f64,
-    /// Mean of 4 sqrt(3) * area / (sum of squared edges): 1 for equilateral triangles, 0 for collapsed ones. Unlike
-    /// the sliver ratio it also sees caps, whose angle is near 180 degrees.
+    /// Mean of 4 sqrt(3) * area / (sum of squared edges): 1 for equilateral triangles, 0 for collapsed ones. Unlike the
+    /// sliver ratio it also detects caps (an angle near 180 degrees).
     pub compactness_mean: f64,
-    /// The smallest of these.
+    /// Smallest 4 sqrt(3) * area / (sum of squared edges).
     pub compactness_min: f64,
     /// Smallest angle of any triangle, radians.
     pub angle_min: f64,
@@ -142,7 +143,7 @@ impl ShapeReport {
         if report.triangles == 0 {
             return Self { aspect_min: 0.0, compactness_min: 0.0, angle_min: 0.0, ..report };
         }
-        // A sum of equal numbers may round to more than their number times each.
+        // A sum of `count` equal numbers may round to more than `count` times the number.
         let count = report.triangles as f64;
         report.sliver_mean = (report.sliver_mean / count).min(report.sliver_max);
         report.aspect_mean = (report.aspect_mean / count).max(report.aspect_min);

@@ -1,5 +1,4 @@
-//! The triangles around a point in the order of their angle, so that few of very many need be asked which lies below
-//! another point.
+//! Triangles around a point sorted by angle: the triangle below another point is found by asking a few of very many.
 //!
 //! ```text
 //!        \  |  /            Directions are taken in the plane across the triangles' mean normal. Four triangles at a
@@ -7,14 +6,14 @@
 //!        /  |  \            in those next to it.
 //! ```
 //!
-//! Where a fan is no function over that plane, the triangle found need not be the nearest: what is found is an upper
-//! bound for the distance.
+//! Where a fan is not a function over the plane, the triangle found need not be the nearest; its distance is an upper
+//! bound.
 
 use glam::Vec3;
 
 use super::patch::Facet;
 
-/// Triangles by angle, and where to look for a direction.
+/// Triangles sorted by angle, and the plane in which directions are measured.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Angles {
     right: Vec3,
@@ -23,7 +22,7 @@ pub(super) struct Angles {
 }
 
 impl Angles {
-    /// Sorts facets by the angle of their middle. O(n log n).
+    /// Sorts facets by the angle of their midpoints. O(n log n).
     pub fn sort(&mut self, facets: &mut Vec<Facet>, scratch: &mut Vec<Facet>) {
         let axis = facets.iter().map(|facet| facet.after).sum::<Vec3>().try_normalize().unwrap_or(Vec3::Z);
         (self.right, self.up) = axis.any_orthonormal_pair();
@@ -37,13 +36,13 @@ impl Angles {
         self.order = order;
     }
 
-    /// The place among the sorted facets where a direction belongs. O(log n).
+    /// Returns the index among the sorted facets at which a direction belongs. O(log n).
     pub fn place(&self, direction: Vec3) -> usize {
         let angle = self.angle(direction);
         self.order.partition_point(|&(other, _)| other < angle)
     }
 
-    /// Grows with the angle around the axis, from 0 to 4.
+    /// Returns a number from 0 to 4, growing with the angle around the axis.
     fn angle(&self, direction: Vec3) -> f32 {
         let (x, y) = (direction.dot(self.right), direction.dot(self.up));
         let share = y / (x.abs() + y.abs()).max(f32::MIN_POSITIVE);

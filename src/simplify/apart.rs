@@ -6,9 +6,9 @@
 //!           \     \
 //! ```
 //!
-//! The surface's triangles are in a tree of boxes that is laid out once: a triangle keeps its place however it changes, and
-//! only the boxes above it are made anew. A collapse costs O(log n) for every triangle that it changes, and a question
-//! O(log n) expected and what lies around it.
+//! Stores the surface's triangles in a tree of boxes, laid out once: a triangle keeps its leaf however it changes, and
+//! only the boxes above it are refitted. A collapse costs O(log n) for every changed triangle. A query costs O(log n)
+//! expected, plus the triangles found.
 
 use glam::Vec3;
 
@@ -18,21 +18,21 @@ use super::oracle::{Collapse, Oracle};
 use super::patch::Facet;
 use super::surface::WorkingSurface;
 
-/// Triangles in a leaf, at most.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
-/// Refuses collapses whose new triangles would cross others of the surface that they do not cross now. Triangles that share
-/// a point do not count.
+/// Refuses collapses whose new triangles would cross triangles of the surface not crossed now. Triangles sharing a point
+/// do not count.
 ///
-/// Not among the default rules: a simplification takes several times as long. A surface that does not cross itself then never
-/// comes to, but for neighbours that fold over, which is for [`NormalFlip`](super::oracle::NormalFlip) to say.
+/// Not among the default rules: a simplification takes several times as long. A surface without self-intersections then
+/// gets none, except between neighbours folding over, which [`NormalFlip`](super::oracle::NormalFlip) refuses.
 #[derive(Debug, Clone, Default)]
 pub struct SelfIntersection {
-    /// Triangles in the order of the leaves, and where each leaf starts.
+    /// Triangles in the order of the leaves. `start`: first triangle of every leaf.
     triangles: Vec<u32>,
     start: Vec<u32>,
     leaf_of: Vec<u32>,
-    /// Per node (children of i: 2 i and 2 i + 1) the box of what is left.
+    /// Per node the box of its live triangles. Children of node i: 2 i and 2 i + 1.
     boxes: Vec<Bounds>,
 }
 
@@ -54,19 +54,19 @@ impl Bounds {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Whether boxes meet; an empty one meets none.
+    /// Whether boxes meet; an empty box meets none.
     fn meets(&self, other: &Self) -> bool {
         (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
     }
 }
 
 impl SelfIntersection {
-    /// The rule.
+    /// Creates the rule.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Arranges the triangles of a node by their middles.
+    /// Distributes the triangles of a node over its leaves by their centroids.
     fn split(&mut self, items: &mut [(Vec3, u32)], first: usize, node: usize) {
         let leaves = self.start.len() - 1;
         if node >= leaves {
@@ -87,14 +87,14 @@ impl SelfIntersection {
         self.split(b, first + half, 2 * node + 1);
     }
 
-    /// The box of what is left in a leaf.
+    /// Returns the box of the live triangles in a leaf.
     fn leaf_box(&self, surface: &WorkingSurface, leaf: usize) -> Bounds {
         let range = self.start[leaf] as usize..self.start[leaf + 1] as usize;
         let corners = self.triangles[range].iter().filter_map(|&t| corners(surface, t));
         corners.fold(Bounds::NONE, |all, corners| all.and(&Bounds::of(&corners)))
     }
 
-    /// Makes the boxes above a triangle anew.
+    /// Refits the boxes above a triangle.
     fn refit(&mut self, surface: &WorkingSurface, triangle: u32) {
         let leaf = self.leaf_of[triangle as usize];
         if leaf == NONE {
@@ -112,7 +112,7 @@ impl SelfIntersection {
         }
     }
 
-    /// Whether any triangle whose box meets `bounds` answers yes.
+    /// Whether `yes` is true for any triangle in the leaves whose boxes meet `bounds`.
     fn any(&self, node: usize, bounds: &Bounds, yes: &mut impl FnMut(u32) -> bool) -> bool {
         if !self.boxes[node].meets(bounds) {
             return false;
@@ -172,7 +172,7 @@ impl Oracle for SelfIntersection {
         let x = Vec3::from(collapse.position);
         let after = |facet: &Facet| [x, surface.at(facet.others[0]), surface.at(facet.others[1])];
         let all = facets.iter().fold(Bounds::NONE, |all, facet| all.and(&Bounds::of(&after(facet))));
-        // What lies around is looked for once; then it is one box against another.
+        // Query the tree once with the box of all new triangles, then compare single boxes.
         !self.any(1, &all, &mut |other| {
             let Some(points) = surface.triangle(other) else { return false };
             if points.iter().any(|p| ends.contains(p)) {

@@ -1,4 +1,4 @@
-//! What attributes of a level are off by, each in its own unit, apart from the error of the shape.
+//! Deviations of a level's attributes, each in its own unit, separate from the geometric error.
 
 use glam::{DVec2, DVec3};
 
@@ -6,26 +6,26 @@ use crate::mesh::{Attribute, Mesh, names};
 
 use super::footprint::{self, Place};
 
-/// How much finer or coarser than on average the texture counts on a triangle, at most.
+/// Maximum ratio between a triangle's texture density and the average density, in either direction.
 const DENSITY: f64 = 16.0;
 
-/// What one attribute of a level is off by: the difference between its value in the middle of every input triangle and
-/// the level's value at the nearest place in the same chart. A sample for each input triangle, neither a bound nor a
-/// measurement between them.
+/// Deviation of an attribute of a level: the difference between its value in the middle of every input triangle and the
+/// level's value at the nearest place in the same chart. Samples each input triangle once: neither a bound nor a
+/// measurement between the samples.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct AttributeDeviation {
-    /// The attribute's name.
+    /// Name of the attribute.
     pub name: String,
-    /// The mean over the area of the input's triangles: degrees for normals, object units for texture coordinates (how
-    /// far the texture has slid), and the largest difference of a channel for anything else (colours: 0 to 1).
+    /// Mean weighted by the area of the input's triangles: degrees for normals, object units for texture coordinates
+    /// (distance by which the texture has slid), else the largest difference of a channel (colours: 0 to 1).
     pub mean: f64,
-    /// The largest, in the same unit.
+    /// Maximum, in the unit of `mean`.
     pub max: f64,
 }
 
-/// The deviations of every float attribute that is not of a skin nor a tangent.
+/// Returns the deviations of every float attribute except skin weights and tangents.
 pub(super) fn deviations(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<AttributeDeviation> {
     let is_measured =
         |a: &&Attribute| !names::is_set_of(a.name(), names::WEIGHTS) && a.name() != names::TANGENT;
@@ -84,7 +84,7 @@ fn texture_area(uv: &[f32], corners: [u32; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Object units that one unit of the texture covers on average; 0 where that makes no sense.
+/// Returns the mean object units covered by a unit of the texture; 0 where the texture covers no area.
 fn density(mesh: &Mesh, uv: &[f32]) -> f64 {
     let (mut surface, mut texture) = (0.0, 0.0);
     for &corners in mesh.triangles() {

@@ -1,11 +1,11 @@
-//! Candidates: who is merged into whom, where, and what it costs.
+//! Candidates: which point is merged into which, where, and at what cost.
 //!
 //! ```text
 //!     endpoint      lost -> kept, in either direction        every pair is two candidates
 //!     any other     both -> x, where that costs least        every pair is one, looked at from its lower point
 //! ```
 //!
-//! A point on a feature edge holds one that is not, so that borders and seams stay where they are.
+//! A point on a feature edge holds a point off feature edges, so borders and seams stay where they are.
 
 use glam::Vec3;
 
@@ -16,28 +16,28 @@ use super::placement::Placement;
 use super::surface::WorkingSurface;
 use crate::mesh::NONE;
 
-/// Up to so many times the edge's length an optimum may lie from its middle without further ado.
+/// Maximum distance of an optimum from the middle of the edge, in edge lengths, accepted without further checks.
 const FAR: f32 = 1.0;
 
-/// A point's cheapest candidate.
+/// The cheapest candidate of a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Best {
     pub cost: f32,
     pub other: u32,
 }
 
-/// A candidate that every oracle allows.
+/// A candidate allowed by every oracle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub pair: Pair,
     pub x: Vec3,
-    /// Where `x` is in object units; `None` where the kept point stays where it is.
+    /// Position `x` in object units; `None` where the kept point does not move.
     pub object: Option<[f32; 3]>,
 }
 
 pub(super) const NO_BEST: Best = Best { cost: f32::INFINITY, other: NONE };
 
-/// What candidates are judged by.
+/// Computes costs and positions of candidates.
 #[derive(Clone, Copy)]
 pub(super) struct Judge<'a, M> {
     pub metric: &'a M,
@@ -46,7 +46,7 @@ pub(super) struct Judge<'a, M> {
 }
 
 impl<M: ErrorMetric> Judge<'_, M> {
-    /// What a candidate costs.
+    /// Returns the cost of a candidate.
     #[inline]
     pub fn cost(&self, point: u32, other: u32) -> f32 {
         if self.placement == Placement::Endpoint {
@@ -57,7 +57,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         }
     }
 
-    /// What the candidates of a point cost that merge it with each of `others`, into `costs` (of the same length).
+    /// Computes the costs of merging `point` with each of `others` into `costs` (of the same length).
     #[inline]
     pub fn costs(&self, point: u32, others: &[u32], costs: &mut [f32]) {
         if self.placement == Placement::Endpoint {
@@ -70,7 +70,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         }
     }
 
-    /// Who is merged into whom, and where.
+    /// Returns which point is merged into which, and the position.
     #[inline]
     pub fn place(&self, point: u32, other: u32) -> (Pair, Vec3) {
         if self.placement == Placement::Endpoint {
@@ -80,7 +80,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         (pair, x)
     }
 
-    /// Who is merged into whom, where, and what it costs, if not at an endpoint.
+    /// Returns pair, position and cost, for placements other than `Endpoint`.
     fn evaluate(&self, point: u32, other: u32) -> (Pair, Vec3, f32) {
         let pair = Pair { lost: point, kept: other };
         let clean = |cost: f32| if cost > 0.0 { cost } else { 0.0 };
@@ -109,7 +109,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         }
     }
 
-    /// The cheapest of both ends and their middle.
+    /// Returns the cheapest of both ends and their middle.
     fn best_of_three(&self, pair: Pair, middle: Vec3) -> (Pair, Vec3, f32) {
         let Pair { lost, kept } = pair;
         let swapped = Pair { lost: kept, kept: lost };
@@ -125,8 +125,8 @@ impl<M: ErrorMetric> Judge<'_, M> {
         best
     }
 
-    /// Whether `x` is no farther from the middle than the farthest neighbour: where a sum of few planes leaves the optimum
-    /// open it may lie anywhere. O(valences).
+    /// Whether `x` is no farther from the middle than the farthest neighbour. With few planes the optimum is
+    /// underdetermined and may lie anywhere. O(valences).
     #[cold]
     fn is_among(&self, pair: Pair, middle: Vec3, x: Vec3) -> bool {
         let mut farthest = 0.0f32;
@@ -138,7 +138,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         x.distance_squared(middle) <= farthest
     }
 
-    /// Puts the freer point first; says whether the other one must stay where it is.
+    /// Puts the freer point first; returns whether the other point must stay where it is.
     fn orient(&self, pair: Pair) -> (Pair, bool) {
         let held = |p: u32| {
             let bits = self.surface.kind(p);
@@ -156,7 +156,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
         let (lost, kept) = (held(pair.lost), held(pair.kept));
         let hub = |point: u32| self.surface.valence(point) > HUB;
         if lost == kept && (hub(pair.lost) || hub(pair.kept)) {
-            // A hub stays, so that what is merged into it costs no more than its own few triangles.
+            // A hub stays: merging into it then costs no more than the lost point's few triangles.
             let turned = self.surface.valence(pair.lost) > self.surface.valence(pair.kept);
             return (if turned { Pair { lost: pair.kept, kept: pair.lost } } else { pair }, true);
         }
@@ -167,8 +167,8 @@ impl<M: ErrorMetric> Judge<'_, M> {
         }
     }
 
-    /// The position as it will be stored (object units, single precision) and back in the inner frame. A kept point
-    /// that does not move keeps its exact position and its vertices.
+    /// Returns the position as it will be stored, rounded to single precision in object units: in the inner frame, and
+    /// in object units. A kept point which does not move keeps its exact position and its vertices.
     pub fn snap(&self, pair: Pair, x: Vec3) -> (Vec3, Option<[f32; 3]>) {
         if x == self.surface.at(pair.kept) {
             return (x, None);
@@ -178,11 +178,11 @@ impl<M: ErrorMetric> Judge<'_, M> {
     }
 }
 
-/// The share of `b` in a blend that lies nearest `x` on the segment from `a` to `b`.
+/// Returns the weight of `b` in the blend of `a` and `b` nearest to `x` on the segment.
 pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
     let ab = b - a;
     let length = ab.length_squared();
     let share = (x - a).dot(ab) / length;
-    // Not a number where points coincide, and where products overflow far away.
+    // NaN where points coincide, or where products overflow far away.
     if share > 0.0 { share.min(1.0) } else { 0.0 }
 }

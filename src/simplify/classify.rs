@@ -1,14 +1,14 @@
-//! What every point and edge is: border, seam, material border, non-manifold, or nothing of the kind.
+//! Kinds of points and edges: border, seam, material border, non-manifold, or ordinary.
 //!
-//! A point is classified by one walk over its star, once at the start and again where parts were joined or a feature
-//! moved on. An edge is classified when it is asked about, from the side with fewer triangles.
+//! A point is classified by walking over its star: at the start, and again where parts were joined or a feature moved.
+//! An edge is classified when asked about, from the end with fewer triangles.
 
 use crate::mesh::NONE;
 
 use super::sheets::{LayerEdge, edge_between};
 use super::surface::{Corner, WorkingSurface};
 
-/// What a point is, as bits.
+/// Kinds of a point, as bits.
 pub(crate) mod kind {
     /// On an open border.
     pub const BORDER: u16 = 1;
@@ -20,15 +20,15 @@ pub(crate) mod kind {
     pub const MATERIAL: u16 = 8;
     /// Locked by the caller.
     pub const LOCKED: u16 = 16;
-    /// Exactly two feature edges meet here: it may slide along them.
+    /// Exactly two feature edges meet here: the point may slide along them.
     pub const CURVE: u16 = 32;
     /// Its corners do not list each neighbour exactly once as "next" (border, non-manifold, clashing orientation).
     pub const IRREGULAR: u16 = 64;
-    /// Its triangles name several vertices. May stay set where they no longer do.
+    /// Its triangles name several vertices. May stay set after they no longer do.
     pub const WEDGES: u16 = 128;
-    /// On a curve of the input, or on what became of one (`curves.rs`).
+    /// On a curve of the input, or on the image of a curve (`curves.rs`).
     pub const ON_CURVE: u16 = 256;
-    /// Any edge that must stay an edge.
+    /// On an edge of any kind whose edges must stay edges.
     pub const FEATURE: u16 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
@@ -38,13 +38,13 @@ impl WorkingSurface {
         self.held & bit != 0
     }
 
-    /// Lets edges of this kind go: from now on they count as ordinary ones. O(corners).
+    /// Releases edges of this kind: from now on they count as ordinary edges. O(corners).
     pub(super) fn release(&mut self, bit: u16) {
         self.held &= !bit;
         self.classify();
     }
 
-    /// Finds what every point is. O(corners).
+    /// Classifies every point. O(corners).
     pub(super) fn classify(&mut self) {
         self.scratch.seen = vec![SeenNeighbour::default(); self.positions.len()];
         for point in 0..self.positions.len() as u32 {
@@ -52,12 +52,12 @@ impl WorkingSurface {
         }
     }
 
-    /// Finds anew what a point is, and each of its neighbours: after two parts were joined there.
+    /// Classifies a point and its neighbours again, after two parts were joined there or a feature moved.
     pub(crate) fn reclassify_around(&mut self, point: u32) {
         let mut around = std::mem::take(&mut self.scratch.moved);
         around.clear();
         around.extend(self.star(point).flat_map(|corner| corner.others));
-        // Each once: a neighbour may be a hub, and share many triangles with this point.
+        // Visit each neighbour once: a neighbour may be a hub, and share many triangles with this point.
         around.sort_unstable();
         around.dedup();
         self.classify_point(point);
@@ -67,8 +67,8 @@ impl WorkingSurface {
         self.scratch.moved = around;
     }
 
-    /// Whether the triangles around a point are one closed ring in one direction; only tried for common valences.
-    /// Such a point has no feature edge, unless a seam or material says so.
+    /// Whether the triangles around a point form a single closed ring with consistent orientation; only tried for
+    /// common valences. Such a point has no feature edge unless by a seam or material.
     #[inline]
     fn is_plain_ring(&self, point: u32) -> bool {
         let count = self.valence(point);
@@ -78,8 +78,8 @@ impl WorkingSurface {
         if count <= 8 { self.is_ring_of::<8>(point, count) } else { self.is_ring_of::<16>(point, count) }
     }
 
-    /// The walk around it: from each corner's last point to the corner that has it as its next. All corners are
-    /// compared at once, since a search would end where the processor does not expect it.
+    /// Walks around the point: from each corner's last neighbour to the corner listing it as next. Compares all corners
+    /// at once, since a search would mispredict a branch.
     #[inline]
     fn is_ring_of<const N: usize>(&self, point: u32, count: usize) -> bool {
         let (mut next, mut last) = ([NONE; N], [0; N]);
@@ -99,11 +99,11 @@ impl WorkingSurface {
             is_ring &= found == 1;
             at = to;
         }
-        // Back at the start after as many steps as triangles: each was passed once.
+        // Back at the start after as many steps as triangles: each triangle was passed once.
         is_ring & (at == first)
     }
 
-    /// Finds what a point is by one walk over its star, with marks: O(valence).
+    /// Classifies a point by a single walk over its star, with marks: O(valence).
     fn classify_point(&mut self, point: u32) {
         let is_bare = self.corner_vertices.is_empty() && self.materials.is_empty() && !self.has_sheets();
         if is_bare && self.is_plain_ring(point) {
@@ -113,12 +113,12 @@ impl WorkingSurface {
         self.kinds[point as usize] = self.walk_star(point, self.held);
     }
 
-    /// What a point would be if edges of every kind had to stay. O(valence).
+    /// Returns the kind of a point if edges of every kind had to stay. O(valence).
     pub(super) fn kind_if_held(&mut self, point: u32) -> u16 {
         self.walk_star(point, kind::FEATURE)
     }
 
-    /// What a point is where edges of the kinds in `held` must stay.
+    /// Returns the kind of a point, where edges of the kinds in `held` must stay.
     fn walk_star(&mut self, point: u32, held: u16) -> u16 {
         let mut seen = std::mem::take(&mut self.scratch.seen);
         let mut neighbours = std::mem::take(&mut self.scratch.neighbours);
@@ -185,8 +185,8 @@ impl WorkingSurface {
         bits
     }
 
-    /// Triangles around a point that can be reached from the first across shared edges: fewer than its valence where
-    /// several fans meet. O(valence log valence).
+    /// Returns the number of triangles around a point reachable from the first across shared edges: less than the
+    /// valence where several fans meet. O(valence log valence).
     fn fan_length(&self, point: u32) -> usize {
         let mut ends: Vec<(u32, u32)> = Vec::with_capacity(2 * self.valence(point));
         for (i, corner) in self.star(point).enumerate() {
@@ -208,14 +208,15 @@ impl WorkingSurface {
         (0..parent.len() as u32).filter(|&i| root(&mut parent, i) == 0).count()
     }
 
-    /// What the edge between two points is, as `kind` bits; 0 for an ordinary edge, `None` where there is no edge.
+    /// Returns the kind of the edge between two points, as `kind` bits: 0 for an ordinary edge, `None` where there is
+    /// no edge.
     pub(crate) fn edge_kind(&self, u: u32, v: u32) -> Option<u16> {
         self.edge_kind_if_held(u, v).map(|bits| bits & self.held)
     }
 
-    /// What an edge would be if edges of every kind had to stay.
+    /// Returns the kind of an edge if edges of every kind had to stay.
     pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u16> {
-        // From the side with fewer triangles: the other may be a hub.
+        // Walk the end with fewer triangles: the other end may be a hub.
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
         let mut count = 0;
@@ -244,8 +245,8 @@ impl WorkingSurface {
         }
     }
 
-    /// Whether there is an edge between two points and it is not an ordinary one. Looks no further than it must: on an
-    /// edge of many triangles the third tells.
+    /// Whether two points share an edge of a kind other than ordinary. Stops early: the third triangle on an edge
+    /// decides.
     pub(crate) fn is_feature_edge(&self, u: u32, v: u32) -> bool {
         if self.has_sheets() {
             return self.edge_kind(u, v).is_some_and(|kind| kind != 0);
@@ -265,13 +266,13 @@ impl WorkingSurface {
         count == 1
     }
 
-    /// Whether either of two triangles is followed by others that carry something else.
+    /// Whether either of two triangles has further layers with other attributes.
     #[inline]
     fn are_layered(&self, triangles: [u32; 2]) -> bool {
         self.has_sheets() && triangles.iter().any(|&triangle| self.is_layered(triangle))
     }
 
-    /// What the edge between two points is by the sheets of two triangles on it, as `kind` bits.
+    /// Returns the kind of the edge between two points by the layers of two triangles on it, as `kind` bits.
     fn sheet_edge(&self, triangles: [u32; 2], [u, v]: [u32; 2]) -> u16 {
         let [before, beyond] = triangles.map(|triangle| {
             let corners = self.triangle(triangle).unwrap_or([NONE; 3]);
@@ -284,7 +285,7 @@ impl WorkingSurface {
         edge_between(before, beyond)
     }
 
-    /// The vertices of `corner`'s point and of its other number `side`.
+    /// Returns the vertices of the corner's point and of `corner.others[side]`.
     #[inline]
     fn edge_vertices(&self, corner: Corner, side: usize) -> [u32; 2] {
         if self.corner_vertices.is_empty() {
@@ -295,7 +296,8 @@ impl WorkingSurface {
     }
 }
 
-/// Neighbours on the ring that starts at the first, where each has exactly one follower.
+/// Returns the number of neighbours on the ring starting at the first neighbour, where each neighbour has exactly one
+/// follower.
 fn ring_length(seen: &[SeenNeighbour], neighbours: &[u32]) -> usize {
     let Some(&first) = neighbours.first() else { return 0 };
     let (mut at, mut length) = (seen[first as usize].follow, 1);
@@ -306,16 +308,16 @@ fn ring_length(seen: &[SeenNeighbour], neighbours: &[u32]) -> usize {
     length
 }
 
-/// What is known of one neighbour while a star is walked.
+/// State of a neighbour while a star is walked.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SeenNeighbour {
     count: u32,
     next: u32,
-    /// The neighbour that comes after this one around the point.
+    /// Neighbour after this neighbour around the point.
     follow: u32,
     first: [u32; 2],
     material: u32,
-    /// The first triangle with this neighbour.
+    /// First triangle with this neighbour.
     triangle: u32,
     bits: u16,
 }

@@ -1,16 +1,17 @@
-//! The substitutions of a sequence as a forest, checked once: who takes whose place, when, and when triangles vanish.
+//! The substitutions of a sequence as a forest, checked once: which vertex replaces which, when, and when triangles
+//! vanish.
 //!
 //! ```text
 //!     number   0 ... roots  | last removed ... first removed | duplicates | unused
 //!              stay to the end   reverse order of removal      aliases      roots that nothing names
 //! ```
 //!
-//! A vertex is only ever substituted by one that is removed later, so in this numbering every parent is lower than its
-//! children. Two vertices become one at the lower of the two children through which their paths reach their lowest
-//! common ancestor; skew-binary jump pointers (Myers 1983) find it in O(log n) however long the chains are.
+//! A vertex is only ever substituted by a vertex removed later, so in this numbering every parent is lower than its
+//! children. Two vertices merge at the lower of two children: the children of their lowest common ancestor through which
+//! their paths reach it. Skew-binary jump pointers (Myers 1983) find it in O(log n) however long the chains are.
 //!
-//! A triangle is degenerate, and in no level, where two of its corners lie at one place in the input: as one vertex or as
-//! two wedges. So it is for the simplifier, which works on points.
+//! A triangle is degenerate, and in no level, where two of its corners have the same position in the input: as a single
+//! vertex or as two wedges. The simplifier, working on points, does the same.
 
 use std::borrow::Cow;
 
@@ -22,15 +23,15 @@ use super::{CollapseSequence, SequenceError};
 /// Vertices of a sequence by reverse order of removal, and the forest of their substitutions.
 pub(crate) struct CollapseForest<'a> {
     positions: Cow<'a, [[f32; 3]]>,
-    /// The sequence's vertex of every number.
+    /// Per number, the vertex of the sequence.
     pub order: Vec<u32>,
-    /// The number of every vertex of the sequence.
+    /// Per vertex of the sequence, its number.
     pub number: Vec<u32>,
     /// Per number, the steps after which it is gone: 0 for a duplicate, `NONE` where it stays.
     pub removed: Vec<u32>,
     /// Numbers below this stay to the end and are used.
     pub roots: u32,
-    /// Numbers from `roots` to here are removed by a step; then come duplicates, then unused ones.
+    /// Numbers from `roots` to here are removed by a step; then follow duplicates, then unused vertices.
     pub real: u32,
     forest: Forest,
 }
@@ -38,7 +39,7 @@ pub(crate) struct CollapseForest<'a> {
 impl<'a> CollapseForest<'a> {
     /// Reads a sequence against the mesh it was made from. O(vertices + substitutions + triangles).
     ///
-    /// Nothing in the sequence is trusted: this is the one gate between it and every structure built from it.
+    /// Nothing in the sequence is trusted: every structure built from it relies on this check alone.
     pub fn new(mesh: &'a Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
         let inputs = mesh.positions().len();
         expect("input vertices", sequence.input_vertices(), inputs)?;
@@ -74,7 +75,7 @@ impl<'a> CollapseForest<'a> {
                 if from == to {
                     return Err(SequenceError::SelfSubstitution { step, vertex: from });
                 }
-                // A new vertex is born when it is first named as a target.
+                // A new vertex is born when first named as a target.
                 if parent[f] != NONE || (f >= inputs && !named[f]) {
                     return Err(SequenceError::NotLive { step, vertex: from });
                 }
@@ -119,19 +120,19 @@ impl<'a> CollapseForest<'a> {
         Ok(Self { positions, order, number, removed, roots, real, forest })
     }
 
-    /// The number that takes the place of a number; its own where it stays.
+    /// Returns the number which replaces `number`; `number` itself where it stays.
     pub fn parent(&self, number: u32) -> u32 {
         self.forest.parent[number as usize]
     }
 
-    /// A vertex of the sequence as a number, duplicates folded.
+    /// Returns the number of a vertex of the sequence, duplicates folded.
     pub fn folded(&self, vertex: u32) -> u32 {
         let number = self.number[vertex as usize];
         if self.removed[number as usize] == 0 { self.parent(number) } else { number }
     }
 
-    /// Steps after which a triangle of the input is gone: 0 where two corners lie at one place, `NONE` where it stays.
-    /// O(log n).
+    /// Returns the steps after which an input triangle is gone: 0 where two corners share a position, `NONE` where it
+    /// stays. O(log n).
     pub fn end(&self, triangle: [u32; 3]) -> u32 {
         let corners = triangle.map(|v| self.folded(v));
         if meets_itself(&self.positions, corners.map(|number| self.order[number as usize])) {
@@ -149,7 +150,7 @@ pub(crate) struct Forest {
 }
 
 impl Forest {
-    /// O(n); 12 bytes a vertex. `parent[v] <= v` is the caller's to see to.
+    /// Builds the jump pointers. O(n); 12 bytes a vertex. The caller ensures `parent[v] <= v`.
     pub fn new(parent: Vec<u32>) -> Self {
         let mut jump: Vec<u32> = Vec::with_capacity(parent.len());
         let mut depth: Vec<u32> = Vec::with_capacity(parent.len());
@@ -168,13 +169,13 @@ impl Forest {
         Self { parent, jump, depth }
     }
 
-    /// The vertex with whose substitution a triangle of three different vertices loses one; `None` if none does. It is
-    /// the first of the three pairs' merges, so the highest number. O(log n).
+    /// Returns the vertex whose substitution makes a triangle of three different vertices degenerate; `None` if no
+    /// substitution does. This is the earliest merge of the three pairs, so the highest number. O(log n).
     pub fn vanishes(&self, [a, b, c]: [u32; 3]) -> Option<u32> {
         self.merge(a, b).max(self.merge(b, c)).max(self.merge(c, a))
     }
 
-    /// The vertex with whose substitution two different vertices become one.
+    /// Returns the vertex whose substitution merges two different vertices.
     fn merge(&self, a: u32, b: u32) -> Option<u32> {
         let depth = |v: u32| self.depth[v as usize];
         let parent = |v: u32| self.parent[v as usize];
@@ -202,7 +203,7 @@ impl Forest {
     }
 }
 
-/// Whether two corners of a triangle lie at one place: equal vertices, or different wedges of one point.
+/// Whether two corners of a triangle have the same position: equal vertices, or different wedges of a point.
 fn meets_itself(positions: &[[f32; 3]], corners: [u32; 3]) -> bool {
     let [a, b, c] = corners.map(|v| positions[v as usize]);
     a == b || b == c || c == a
@@ -217,7 +218,7 @@ pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
 mod tests {
     use super::*;
 
-    /// The forest against walking: substitute the highest corner until two agree.
+    /// Compares the forest with a plain walk: substitute the highest corner until two agree.
     #[test]
     fn vanishing_agrees_with_the_walk() {
         let mut state = 7u32;

@@ -1,4 +1,4 @@
-//! How far the input's curves lie from a level's, and the other way: what `tracked_samples.rs` is for the surface.
+//! Distances between the input's curves and a level's curves, both ways; `tracked_samples.rs` does so for the surface.
 //!
 //! ```text
 //!        input      a--b--c--d--e        Points that a curve has lost hang on the edge of its image that they are
@@ -7,9 +7,9 @@
 //!                     o   o              edges at what hangs on it.
 //! ```
 //!
-//! A removed point of a rim still lies on the flat face around it, so that the surface is none the wiser; and where a hole
-//! shrinks the level covers what was empty. The curve's distance tells both. A curve that shrinks to a point counts with
-//! its distance from there: its size.
+//! A removed point of a rim still lies on the flat face around it, so the surface's distance does not notice; and where a
+//! hole shrinks, the level covers empty space. The curve's distance shows both. A curve shrunk to a point counts with its
+//! distance from the point: its size.
 
 use glam::Vec3;
 
@@ -18,65 +18,65 @@ use crate::mesh::NONE;
 use super::metric::Pair;
 use super::surface::WorkingSurface;
 
-/// Edges of the kept point that are looked at where it stays: with more, it is a hub.
+/// Maximum number of the kept point's edges looked at where the point stays: with more, it is a hub.
 const MOST_KEPT: usize = 16;
-/// Edges that are looked at beyond the far end of another.
+/// Maximum number of edges looked at beyond the far end of another edge.
 const MOST_BEYOND: usize = 4;
-/// Where along a new edge the way back is measured: shares of its length from the merged point on.
+/// Samples along a new edge for the way back: shares of its length from the merged point on.
 const ALONG: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// Which edge of the image each lost point of a curve hangs on.
+/// Assigns each lost point of a curve to an edge of the image.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CurveSamples {
-    /// The curve point that each point was in the input, or none.
+    /// Per point its curve point in the input, or `NONE`.
     number: Vec<u32>,
-    /// Per curve point, and so are the next four.
+    /// Curve points. `start`, `neighbours`, `merged` and `placed` are per curve point too.
     points: Vec<CurvePoint>,
-    /// The curve points that it has an edge to in the input: start of each, one more than points.
+    /// Start of each curve point's input neighbours in `neighbours`; length: curve points + 1.
     start: Vec<u32>,
     neighbours: Vec<u32>,
     merged: Vec<bool>,
-    /// Squared distance when it was placed last.
+    /// Squared distance when last placed.
     placed: Vec<f32>,
     /// First curve point on each edge of the image.
     on_edge: Vec<u32>,
-    /// First curve point at each point that a whole curve has shrunk to.
+    /// First curve point at each point to which a whole curve has shrunk.
     at_point: Vec<u32>,
     spokes: Vec<Spoke>,
     loose: Vec<u32>,
 }
 
-/// A point of an input curve, and the next one that hangs on the same edge.
+/// A point of an input curve, and the next point assigned to the same edge.
 #[derive(Debug, Clone, Copy)]
 struct CurvePoint {
     position: Vec3,
     next: u32,
 }
 
-/// An edge of the image around the merged point, or one edge further; positions are relative to that point.
+/// An edge of the image around the merged point, or the edge beyond; positions are relative to the merged point.
 #[derive(Debug, Clone, Copy)]
 struct Spoke {
     edge: u32,
     from: Vec3,
     to: Vec3,
-    /// Its far end.
+    /// Far end.
     other: u32,
     is_new: bool,
-    /// Least squared distance of each point along it from the input's curve.
+    /// Least squared distance of each sample along the edge from the input's curve.
     back: [f32; ALONG.len()],
 }
 
-/// What a merge does to the input's curves.
+/// Effect of a merge on the input's curves.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CurveChange {
-    /// The largest squared distance.
+    /// Largest squared distance.
     pub worst: f32,
-    /// By how much the sum of squared distances grows.
+    /// Growth of the sum of squared distances.
     pub added: f32,
 }
 
 impl CurveSamples {
-    /// No point hangs anywhere yet.
+    /// Starts with no point assigned to an edge.
     pub fn new(surface: &WorkingSurface) -> Self {
         let curves = surface.curves();
         if curves.is_empty() {
@@ -114,7 +114,7 @@ impl CurveSamples {
         surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) && surface.at(pair.kept) != x
     }
 
-    /// What merging `pair` at `x` would do.
+    /// Returns the effect of merging `pair` at `x`.
     pub fn measure(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> CurveChange {
         self.spread(surface, pair, x);
         self.gather(surface, pair, x);
@@ -131,7 +131,8 @@ impl CurveSamples {
         change
     }
 
-    /// The same, just before the merge is done: what hung on edges that change is handed over.
+    /// Returns the effect of merging `pair` at `x`, just before the merge is done, and hands over the points of
+    /// changing edges.
     pub fn hand_over(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> CurveChange {
         self.spread(surface, pair, x);
         self.gather(surface, pair, x);
@@ -156,7 +157,7 @@ impl CurveSamples {
         change
     }
 
-    /// The edges that will be around the merged point, those that change first.
+    /// Collects the edges around the merged point, changing edges first.
     fn spread(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         let curves = surface.curves();
         let moves = surface.at(pair.kept) != x;
@@ -177,7 +178,7 @@ impl CurveSamples {
         let most = if moves { usize::MAX } else { MOST_KEPT };
         let kept = curves.around(pair.kept).filter(|&[_, other]| other != pair.lost).take(most);
         self.spokes.extend(kept.map(|[edge, other]| spoke(edge, other, moves)));
-        // What lies beyond their far ends may be nearer to a point that goes far.
+        // Edges beyond the far ends may be nearer to a point moving far.
         let near = self.spokes.len();
         if near > MOST_KEPT {
             return;
@@ -192,7 +193,7 @@ impl CurveSamples {
         }
     }
 
-    /// The points that the merge leaves hanging nowhere.
+    /// Collects the points left without an edge by the merge.
     fn gather(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         self.loose.clear();
         let moves = surface.at(pair.kept) != x;
@@ -221,7 +222,8 @@ impl CurveSamples {
         }
     }
 
-    /// Squared distance from the nearest edge around the merged point, and which; from the point where there is none.
+    /// Returns the squared distance from the nearest edge around the merged point, and the edge's index; from the point
+    /// itself where there is no edge.
     fn nearest(&self, p: Vec3) -> (f32, usize) {
         let mut best = (f32::INFINITY, usize::MAX);
         for (i, spoke) in self.spokes.iter().enumerate() {
@@ -233,7 +235,7 @@ impl CurveSamples {
         if best.1 == usize::MAX { (p.length_squared(), best.1) } else { best }
     }
 
-    /// Holds the points along a new edge against the input's edges at a curve point.
+    /// Measures the samples along a new edge against the input's edges at a curve point.
     fn look_back(&mut self, point: u32, spoke: usize, x: Vec3) {
         let Some(spoke) = self.spokes.get_mut(spoke).filter(|spoke| spoke.is_new) else { return };
         let p = self.points[point as usize].position - x;
@@ -246,8 +248,8 @@ impl CurveSamples {
         }
     }
 
-    /// The largest squared distance of a point along a new edge from the input's edges at what hangs on it and at its
-    /// ends.
+    /// Returns the largest squared distance of a sample along a new edge from the input's edges at the edge's ends and
+    /// at the points assigned to it.
     fn way_back(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let stays = surface.at(pair.kept) == x;
         let near = [self.number[pair.lost as usize], self.number[pair.kept as usize]];
@@ -261,7 +263,7 @@ impl CurveSamples {
             for point in near.into_iter().chain([far]).filter(|&point| point != NONE) {
                 self.look_back(point, i, x);
             }
-            // An end that the input's curve passes through lies on it.
+            // If the kept point stays and is on the input's curve, the first sample lies on the curve.
             let first = usize::from(stays && near[1] != NONE);
             let finite = self.spokes[i].back[first..].iter().filter(|least| least.is_finite());
             worst = finite.fold(worst, |worst, &least| worst.max(least));
@@ -270,12 +272,12 @@ impl CurveSamples {
     }
 }
 
-/// Squared distance of a point from a segment.
+/// Returns the squared distance of a point from a segment.
 #[inline]
 fn from_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
     let (ab, ap) = (b - a, p - a);
     let share = ap.dot(ab) / ab.length_squared();
-    // Not a number where both ends are one.
+    // NaN where both ends coincide.
     let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
     (ap - ab * share).length_squared()
 }

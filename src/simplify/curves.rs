@@ -1,4 +1,4 @@
-//! The curves of a surface, and what has become of them: borders, non-manifold edges, seams, borders between materials,
+//! The curves of a surface and their images on a level: borders, non-manifold edges, seams, borders between materials,
 //! and creases.
 //!
 //! ```text
@@ -7,11 +7,11 @@
 //!     level   a-------c---d---e          gone, equal edges are one. So no rule and no mode can lose track of it.
 //! ```
 //!
-//! An edge is a feature by what its triangles say (`classify.rs`). A crease is an edge where two triangles meet at more
-//! than 41.4 degrees (a cosine of 3/4: an eight-sided prism has edges, a ten-sided one is round, and a chamfer of 45
-//! degrees is an edge), if it is part of the drawing of a made thing: creases without loose ends, that go on from one
-//! feature to another or are at least [`LEAST_CREASES`] connected ones, along which most of the bending is theirs. Scans are full of edges as sharp, in short
-//! pieces that are relief or noise: how far those slide over the surface is no error.
+//! An edge is a feature by its triangles (`classify.rs`). A crease is an edge where two triangles meet at more than 41.4
+//! degrees (a cosine of 3/4: an eight-sided prism has edges, a ten-sided prism is round, a chamfer of 45 degrees is an
+//! edge), if it belongs to the drawing of a manufactured shape: connected creases without loose ends, going from feature
+//! to feature or at least [`LEAST_CREASES`] in number, which have most of the bending around their points. Scans are full
+//! of edges as sharp, in short pieces of relief or noise: sliding over the surface is no error there.
 
 use glam::Vec3;
 
@@ -22,43 +22,43 @@ use super::surface::WorkingSurface;
 
 /// Cosine of the angle between two triangles' normals below which their edge is a crease.
 const CREASE: f32 = 0.75;
-/// Two normals that are both this close to a third are no crease apart: half the angle.
+/// Cosine of half the crease angle: two normals both within it of a third do not form a crease.
 const HALF_CREASE: f32 = 0.935_414_3;
-/// Fewest creases that hang together, on meshes large enough to have them.
+/// Minimum number of connected creases, on meshes large enough to have them.
 const LEAST_CREASES: u64 = 12;
-/// Least share of the bending around a crease's points that is the creases' own: what rims of a ten-sided hole have.
+/// Minimum share of the creases in the bending around their points: the share of rims of a ten-sided hole.
 const LEAST_SHARE: f32 = 10.0 / 11.0;
-/// The same for creases from one feature to another.
+/// Minimum share (see [`LEAST_SHARE`]) for creases going from feature to feature.
 const LEAST_HELD_SHARE: f32 = 0.75;
-/// What an end at a feature counts for; more than there are creases on any mesh.
+/// Count added for an end at a feature; more than the creases of any mesh.
 const HELD: u64 = 1 << 32;
 
-/// What a curve edge is to metrics.
+/// Meaning of a curve edge to metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rim {
     /// A mere seam: the surface goes on across it.
     Seam,
     /// The surface bends there.
     Crease,
-    /// The surface ends, or becomes another: a border, a non-manifold edge, or one between materials.
+    /// The surface ends, or becomes another: a border, a non-manifold edge, or an edge between materials.
     Edge,
 }
 
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curves {
-    /// First entry of every point: twice the edge and which of its ends the point is. Empty where there are no curves.
+    /// First entry of every point: `2 edge + end`, with `end` 0 or 1. Empty where there are no curves.
     first: Vec<u32>,
-    /// The points of every edge; `NONE` once it is gone.
+    /// Points of every edge; `NONE` once the edge is gone.
     ends: Vec<[u32; 2]>,
-    /// What each edge is to metrics.
+    /// Meaning of every edge to metrics.
     rims: Vec<Rim>,
-    /// Per entry the one before and the one after it around its point.
+    /// Per entry the previous and the next entry around its point.
     links: Vec<[u32; 2]>,
 }
 
 impl Curves {
-    /// The curves of a surface that is classified. O(n), plus O(k log k) around a point of valence k.
+    /// Finds the curves of a classified surface. O(n), plus O(k log k) around a point of valence k.
     pub fn new(surface: &WorkingSurface) -> Self {
         let mut found = creases(surface);
         let features = (0..surface.point_count() as u32).filter(|&p| surface.kind(p) & kind::FEATURE != 0);
@@ -103,28 +103,28 @@ impl Curves {
         curves
     }
 
-    /// Whether there are none, and never were.
+    /// Whether there never were any curves.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.first.is_empty()
     }
 
-    /// Number of edges, gone ones included.
+    /// Returns the number of edges, gone edges included.
     pub fn edge_count(&self) -> usize {
         self.ends.len()
     }
 
-    /// The points of an edge.
+    /// Returns the points of an edge.
     pub fn ends(&self, edge: u32) -> [u32; 2] {
         self.ends[edge as usize]
     }
 
-    /// What an edge is to metrics.
+    /// Returns the meaning of an edge to metrics.
     pub fn rim(&self, edge: u32) -> Rim {
         self.rims[edge as usize]
     }
 
-    /// The edges around a point, and the point at the other end of each.
+    /// Returns the edges around a point, each with the point at its other end.
     #[inline]
     pub fn around(&self, point: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
         let mut at = self.first.get(point as usize).copied().unwrap_or(NONE);
@@ -137,7 +137,7 @@ impl Curves {
         })
     }
 
-    /// The edge between two points. Goes around both at once: O(fewer edges).
+    /// Returns the edge between two points. Walks around both at once: O(least of both edge counts).
     pub fn find(&self, u: u32, v: u32) -> Option<u32> {
         let mut around_v = self.around(v);
         for [edge, other] in self.around(u) {
@@ -180,7 +180,8 @@ impl Curves {
         }
     }
 
-    /// Merges a point into another. An edge between both goes, and so does one of `lost` to where `kept` has one.
+    /// Merges a point into another. Removes the edge between both, and every edge of `lost` parallel to an edge of
+    /// `kept`.
     pub fn merge(&mut self, lost: u32, kept: u32) {
         let mut at = std::mem::replace(&mut self.first[lost as usize], NONE);
         while at != NONE {
@@ -198,7 +199,7 @@ impl Curves {
     }
 }
 
-/// Whether the triangles on an edge meet at an angle that makes a crease.
+/// Whether triangles on an edge meet at the angle of a crease.
 fn is_bent(surface: &WorkingSurface, u: u32, v: u32) -> bool {
     let (mut first, mut bent) = (None, false);
     surface.for_shared_triangles(u, v, |triangle| {
@@ -212,10 +213,10 @@ fn is_bent(surface: &WorkingSurface, u: u32, v: u32) -> bool {
     bent
 }
 
-/// What creases are found with.
+/// Computes the bending across edges.
 struct Bends<'a> {
     surface: &'a WorkingSurface,
-    /// Twice the area long.
+    /// Normals, each of length twice the triangle's area.
     normals: Vec<Vec3>,
 }
 
@@ -231,8 +232,8 @@ impl Bends<'_> {
         })
     }
 
-    /// Calls `visit` with every neighbour of a point, of those that count, across an edge of two triangles with areas, and
-    /// the cosine of the angle between them.
+    /// Calls `visit` with every neighbour accepted by `counts` across an edge of exactly two triangles with areas, and
+    /// the cosine of the angle between their normals.
     fn for_each(
         &self,
         point: u32,
@@ -240,7 +241,7 @@ impl Bends<'_> {
         counts: impl Fn(u32) -> bool,
         mut visit: impl FnMut(u32, f32),
     ) {
-        // The other point, the triangle, and whether it runs out to that point.
+        // The other point, the triangle, and whether the triangle runs out to the other point.
         let entry = |other: u32, triangle: u32, out: bool| {
             u64::from(other) << 32 | u64::from(triangle) << 1 | u64::from(out)
         };
@@ -259,14 +260,15 @@ impl Bends<'_> {
             let lengths = n.length() * m.length();
             if lengths > f32::MIN_POSITIVE {
                 let cosine = n.dot(m) / lengths;
-                // Triangles that run the same way along their edge do not agree on what is outside.
+                // Triangles running the same way along their edge disagree on which side is outside.
                 visit(other, if out == again { -cosine } else { cosine });
             }
         }
     }
 }
 
-/// The creases of a surface, the lower end first. O(n), plus O(k log k) around a point of valence k that has any.
+/// Returns the creases of a surface, the lower end first. O(n), plus O(k log k) around a point of valence k with
+/// creases.
 fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     let normal = |t: u32| match surface.triangle(t).map(|points| points.map(|p| surface.at(p))) {
         Some([p, q, r]) => (q - p).cross(r - p),
@@ -277,7 +279,7 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     let mut around = Vec::new();
     let mut found: Vec<[u32; 2]> = Vec::new();
     let mut bending: Vec<(f32, f32)> = Vec::new();
-    // A crease has neither end in smooth surroundings.
+    // Both ends of a crease are rough.
     let rough: Vec<bool> = (0..surface.point_count() as u32).map(|point| !bends.is_smooth(point)).collect();
     for point in (0..surface.point_count() as u32).filter(|&point| rough[point as usize]) {
         let counts = |other: u32| other > point && rough[other as usize];
@@ -295,7 +297,7 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
         return found;
     }
     without_loose_ends(surface, &mut found);
-    // Pieces that hang together, by union of their points.
+    // Connected pieces, by union of their points.
     let mut piece: Vec<u32> = (0..surface.point_count() as u32).collect();
     fn root(piece: &mut [u32], mut point: u32) -> u32 {
         while piece[point as usize] != point {
@@ -317,7 +319,7 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
         counts[root(&mut piece, u) as usize] += 1;
     }
     for &point in &points {
-        // A line that ends at a border or another feature goes on there.
+        // A line ending at a border or another feature goes on there.
         if surface.kind(point) & kind::FEATURE != 0 {
             counts[root(&mut piece, point) as usize] += HELD;
         }
@@ -346,7 +348,7 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     found
 }
 
-/// Takes creases away that end at a point where no other crease and no feature goes on, and what then ends there.
+/// Removes creases ending at a point without another crease or feature, repeatedly.
 fn without_loose_ends(surface: &WorkingSurface, creases: &mut Vec<[u32; 2]>) {
     let curves = Curves::of_edges(creases.clone(), surface.point_count());
     let mut left: Vec<u32> =

@@ -1,4 +1,4 @@
-//! The driver: candidates by cost, oracles, collapses, and what they make stale.
+//! The driver: candidates by cost, oracles, collapses, and updates after each collapse.
 //!
 //! ```text
 //! for each batch (one in linear order)
@@ -11,8 +11,8 @@
 //!         around it         a cheaper way opened? moved up. Costs changed? marked stale. Asleep? woken
 //! ```
 //!
-//! A stale point keeps its old place. Where costs only grow, as with accumulated quadrics, that place is a lower bound
-//! and the order is exactly the greedy one; for memoryless metrics a cost that fell is noticed late.
+//! A stale point keeps its old place in the queue. Where costs only grow, as with accumulated quadrics, its place is a
+//! lower bound and the order is exactly the greedy order; memoryless metrics notice a falling cost late.
 
 mod around;
 mod finish;
@@ -50,37 +50,37 @@ pub(super) use hubs::HUB;
 use hubs::Hubs;
 use watch::Watch;
 
-/// How much a measured deviation weighs against an estimated one. Found by trial: the more, the better the mean (2: by
-/// 15 %, 4: by 22 %, 8: by 24 % at a tenth of the triangles), the worse the maximum, and the slower.
+/// Weight of a measured deviation against an estimated cost. Found by trial: a larger weight improves the mean (2: by
+/// 15 %, 4: by 22 %, 8: by 24 % at a tenth of the triangles), but worsens the maximum, and is slower.
 const VERIFIED_WEIGHT: f32 = 4.0;
-/// Costs within this factor of the estimate are taken for it.
+/// A verified cost up to this factor above the estimate is accepted.
 const VERIFIED_SLACK: f32 = 1.2;
 
-/// How many times dearer the candidate that a point waits for must be than one that was refused, for the point to look
-/// again after a change next to it. On flat faces with straight edges the ratio is beyond all bounds, on scans small.
+/// A waiting point looks again after a change next to it if its next candidate costs more than this factor times a
+/// refused candidate. On flat faces with straight edges the ratio is unbounded, on scans small.
 const LEAP: f32 = 1024.0;
 
-/// A cost below all that arise from rounding.
+/// A cost below all costs arising from rounding.
 const LEAST_COST: f32 = 1e-30;
 
-/// Up to so many candidates of a point are priced together.
+/// Maximum number of candidates of a point priced together.
 const FEW: usize = 16;
-/// How often pairs without an edge are looked for anew where nothing else is left.
+/// Maximum number of searches for new pairs without an edge, made when the queue is empty.
 const LOOKS: usize = 8;
 /// Steps between two calls of the progress callback.
 const PROGRESS_STEPS: usize = 4096;
 
-/// What became of a candidate.
+/// Outcome of a candidate.
 enum Attempt {
     Done,
     Refused,
-    /// It costs more than it seemed to, and should wait for that.
+    /// Costs more than estimated, and should wait for this cost.
     Later(f32),
-    /// A rule that gives way puts it off until this cost is due.
+    /// Deferred until this cost is due, by a rule with a surcharge.
     Dear(f32),
 }
 
-/// What a point waits for.
+/// States of a point, as bits.
 mod state {
     /// Its candidate may be out of date.
     pub const STALE: u8 = 1;
@@ -88,28 +88,28 @@ mod state {
     pub const ASLEEP: u8 = 2;
     /// Merged away.
     pub const GONE: u8 = 4;
-    /// Part of a neighbourhood that this batch changed.
+    /// In a neighbourhood changed by this batch.
     pub const TOUCHED: u8 = 8;
     /// A candidate was refused by the guard, whose limit grows as triangles go.
     pub const GUARDED: u8 = 16;
-    /// A hub around which not everything was woken.
+    /// A hub around which not every point was woken.
     pub const PENDING: u8 = 32;
-    /// It is among the next to be served, and looks at all its pairs then.
+    /// Among the next points to serve; looks at all its pairs then.
     pub const WOKEN: u8 = 64;
 }
 
-/// A candidate that no rule forbids, and how many times its cost it counts as.
+/// A candidate allowed by the rules, and the factor on its cost.
 struct Legal {
     candidate: Candidate,
     surcharge: f32,
 }
 
-/// What the engine is asked to do, besides the metric.
+/// Input of the engine besides the metric.
 pub(super) struct Plan<'a> {
     pub oracles: &'a mut [Box<dyn Oracle>],
     pub limits: Limits,
     pub settings: &'a Settings,
-    /// When seams and material borders begin to give.
+    /// Triangle counts at which seams, material borders and the topology begin to give.
     pub schedule: Schedule,
 }
 
@@ -118,43 +118,44 @@ pub(super) struct Engine<'a, M> {
     placement: Placement,
     order: Order,
     oracles: &'a mut [Box<dyn Oracle>],
-    /// Those that are told of changes.
+    /// Indices of oracles notified of changes.
     watchers: Vec<usize>,
     limits: Limits,
     surface: WorkingSurface,
-    /// Separate parts, where there are several and they matter.
+    /// Separate parts; `None` unless there are several and parts can vanish or be joined.
     parts: Option<Box<Parts>>,
     vanishing: Vanishing,
     partners: Partners,
-    /// Whether the candidates of a point are all its neighbours and no others.
+    /// Whether the candidates of a point are exactly its neighbours.
     looks_at_all: bool,
     recorder: Recorder,
     queue: ClassQueue,
-    /// Per step its class of cost, no less than those of the steps it needs.
+    /// Per step its rank: its class of cost, raised to the highest rank among the steps it depends on.
     ranks: Vec<u32>,
-    /// Per point the highest rank of a step that changed a triangle of it.
+    /// Per point the highest rank of a step which changed a triangle of the point.
     touched: Vec<u32>,
     /// Whether ranks may descend.
     tiled: bool,
-    /// Ranks of steps before anything gave lie below this.
+    /// Ranks of steps before the last kind gave are below this.
     first_rank: u32,
     permissive: Permissive,
     schedule: Schedule,
-    /// Triangles at which the next kind gives; 0 where none does by itself.
+    /// Number of triangles at which the next kind gives; 0 where no kind gives by itself.
     gives_at: usize,
-    /// Whether rules that keep the topology are asked any more, and whether one of them refuses what was looked at last.
+    /// Whether rules keeping the topology are still asked. `breaks_topology`: whether such a rule refuses the last
+    /// candidate.
     keeps_topology: bool,
     breaks_topology: bool,
-    /// Per step what it gave up, `gives` bits; empty while nothing may give.
+    /// Per step the features given up, `gives` bits; empty while nothing may give.
     given: Vec<u8>,
-    /// Vertices in use at the start.
+    /// Number of vertices in use at the start.
     input_vertices: usize,
     best: Vec<Best>,
     state: Vec<u8>,
-    /// The partner for which each point's cost was verified; empty unless costs are.
+    /// Per point the partner whose cost was verified; empty unless costs are verified.
     verified: Vec<u32>,
     refusals: Vec<u64>,
-    /// Candidates refused because they would exceed the error asked for.
+    /// Number of candidates refused for exceeding the requested error.
     too_far: u64,
     errors: Errors,
     watch: Watch,
@@ -180,7 +181,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let vanishing = Vanishing::new(parts == options::Parts::Vanish, join_distance);
         let matter = vanishing.is_on || join_distance > 0.0;
         let mut parts = if matter { Parts::new(&surface).map(Box::new) } else { None };
-        // Where parts vanish, joining is what one does to another that vanishes.
+        // Where parts vanish, an heir joins the part when it vanishes: no pairs are needed.
         let pairs = if vanishing.is_on { 0.0 } else { join_distance };
         let partners = Partners::new(&surface, parts.as_deref_mut(), pairs);
         let waiting = points + parts.as_ref().map_or(0, |parts| parts.count());
@@ -198,7 +199,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             parts,
             vanishing,
             recorder,
-            // With a size asked for, a band is finished before the target is looked at: so it is a narrow one.
+            // With a size requested, a band is finished before the target is checked: use narrow bands.
             queue: ClassQueue::new(waiting, if limits.is_sized() { 16 } else { 32 }),
             ranks: Vec::new(),
             touched: vec![0; points],
@@ -226,7 +227,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
-    /// Points and wedges, and the surface of them: cracks closed that are no wider than the tolerance.
+    /// Builds points, wedges and their surface; closes cracks no wider than the tolerance.
     fn welded(mesh: &Mesh, tolerances: &Tolerances) -> (Topology, WorkingSurface) {
         let topology = Topology::with(mesh, tolerances);
         let surface = WorkingSurface::new(mesh, &topology);
@@ -243,8 +244,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         (topology, surface)
     }
 
-    /// The sequence; or where seams or material borders must give before a target is missed, when to let them, to start
-    /// over.
+    /// Returns the sequence. `Err(schedule)`: seams, material borders or the topology must give earlier, or a target is
+    /// missed; start over with `schedule`.
     pub fn run(
         mut self,
         mesh: &Mesh,
@@ -266,7 +267,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     break;
                 }
                 None if self.gives_now() => {
-                    // More comes after this batch, which is one with it in linear order.
+                    // In linear order all following steps belong to this batch.
                     if self.order == Order::Batched {
                         self.recorder.finish_batch();
                     }
@@ -287,7 +288,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                     }
                 }
                 None => {
-                    // Of metrics whose costs parts do not compare with, parts go when nothing else does.
+                    // For metrics whose costs do not compare with a part's loss, parts go when nothing else does.
                     if self.recorder.finish_batch() {
                         self.vanishing.is_last = false;
                     } else if !self.vanishing.is_last && self.parts.is_some() {
@@ -322,7 +323,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         };
         self.metric.begin(&self.surface, info);
         if index == 0 && self.permissive == Permissive::On && self.surface.has_seams() {
-            // Only now: what seams are worth to the metric is part of its sums.
+            // Release seams only now: the metric's sums already contain their weight.
             self.release(Giving::Seams);
         }
         self.queue.restart();
@@ -341,11 +342,11 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.queue_parts();
     }
 
-    /// Goes on in linear order where nothing waits any more: with pairs that have come near since, and then with parts that
-    /// had to wait for everything else.
+    /// Continues in linear order when the queue is empty: first with pairs which have come near since, then with parts
+    /// which had to wait for everything else.
     fn run_rest(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
         let mut parts = self.parts.take()?;
-        // What is done now comes after everything before.
+        // Steps from here on come after all earlier steps.
         self.vanishing.floor = self.ranks.iter().copied().max().unwrap_or(0);
         for _ in 0..if self.partners.is_empty() { 0 } else { LOOKS } {
             let steps = self.recorder.steps();
@@ -375,7 +376,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.run_batch(progress)
     }
 
-    /// The cheapest candidate of every point.
+    /// Returns the cheapest candidate of every point.
     fn all_candidates(&self) -> Vec<Best> {
         let of = |point: usize| {
             if self.state[point] & state::GONE != 0 { NO_BEST } else { self.candidate(point as u32) }
@@ -394,7 +395,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// Serves the queue until it is empty (`None`) or there is a reason to stop.
     fn run_batch(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
         let mut next_call = self.recorder.steps() + PROGRESS_STEPS;
-        // The band in which the target was reached.
+        // Band in which the target was reached.
         let mut last_band = None;
         while let Some(point) = self.next_point() {
             if last_band.is_some_and(|band| band != self.queue.bands()) {
@@ -408,7 +409,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 continue;
             }
             if last_band.is_none() && self.is_done() {
-                // Other tiles have steps of the same worth.
+                // Other tiles have steps of equal cost.
                 if !self.queue.is_tiled() {
                     return Some(StopReason::Target);
                 }
@@ -433,20 +434,20 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         last_band.map(|_| StopReason::Target)
     }
 
-    /// The next point to serve. When none is left, what was left asleep for the time being is woken once more.
+    /// Returns the next point to serve. When the queue is empty, points left asleep temporarily are woken.
     fn next_point(&mut self) -> Option<u32> {
         let next = match self.queue.pop() {
             None if self.wake_rest() => self.queue.pop(),
             next => next,
         };
-        // Parts are numbered behind the points.
+        // Parts are numbered after the points.
         if let Some(state) = next.and_then(|point| self.state.get_mut(point as usize)) {
             *state &= !state::ASLEEP;
         }
         next
     }
 
-    /// Does the cheapest legal collapse of a point whose turn it is, if it is still its turn. Whether it did one.
+    /// Does the cheapest legal collapse of a point, unless the point must wait. Returns whether a collapse was done.
     #[inline]
     fn serve_point(&mut self, point: u32) -> bool {
         if self.state[point as usize] & (state::GONE | state::TOUCHED) != 0 {
@@ -471,8 +472,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         self.try_collapse(point)
     }
 
-    /// Whether a hub has taken in others since the cost of a point's candidate was found, so that it is not due any more:
-    /// then the point waits for its cost as it is now.
+    /// Whether a hub has grown since the candidate's cost was computed, so the candidate is no longer due. If so, puts
+    /// the point back at its present cost.
     fn has_grown_unseen(&mut self, point: u32) -> bool {
         let other = self.best[point as usize].other;
         if other == NONE || !(self.is_hub(point) || self.is_hub(other)) {
@@ -504,16 +505,18 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Judge { metric: self.metric, surface: &self.surface, placement: self.placement }
     }
 
-    /// The cheapest candidate of a point, whether legal or not; of equal ones that of the lowest number.
+    /// Returns the cheapest candidate of a point, legal or not; among equal costs the lowest number.
     fn candidate(&self, point: u32) -> Best {
-        // Costs are not negative, so they compare like their bits: one number for both, and no branch on which is less.
+        // Costs are not negative, so they compare like their bits: a single number for both, and no branch on the
+        // lesser.
         let key = |option: Best| u64::from(option.cost.to_bits()) << 32 | u64::from(option.other);
         let mut least = key(NO_BEST);
         self.for_candidates(point, |option| least = least.min(key(option)));
         Best { cost: f32::from_bits((least >> 32) as u32), other: least as u32 }
     }
 
-    /// Calls `visit` with every candidate of a point. They are priced together, which metrics make use of.
+    /// Calls `visit` with every candidate of a point. Prices candidates together, for metrics computing several at
+    /// once.
     #[inline]
     fn for_candidates(&self, point: u32, mut visit: impl FnMut(Best)) {
         let mut others = [0; FEW];
@@ -536,7 +539,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
-    /// Calls `visit` with every point that a point may be merged with.
+    /// Calls `visit` with every point which `point` may be merged with.
     #[inline]
     fn for_others(&self, point: u32, mut visit: impl FnMut(u32)) {
         let symmetric = self.is_symmetric();
@@ -545,7 +548,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 visit(other);
             }
         });
-        // Not every point is a partner of its partners: those are looked at from either side.
+        // Partners are not symmetric: visit them from either side.
         self.partners.for_each(&self.surface, self.parts.as_deref(), point, |other| {
             if self.state[other as usize] & state::TOUCHED == 0 {
                 visit(other);
@@ -553,7 +556,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         });
     }
 
-    /// Collapses the point's candidate, or the next one that is legal. Whether anything was done.
+    /// Collapses the point's candidate, or the next legal candidate. Returns whether a collapse was done.
     fn try_collapse(&mut self, point: u32) -> bool {
         let first = self.best[point as usize];
         let mut later = NO_BEST;
@@ -620,15 +623,16 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
         self.options = options;
         if !done {
-            // What costs nothing may become legal at any change, and then it should not wait until something dear is due.
+            // A candidate of cost 0 may become legal at any change, and should not wait until an expensive candidate is
+            // due.
             asleep |= least_refused * LEAP < later.cost;
             self.postpone(point, later, asleep);
         }
         done
     }
 
-    /// Lets a point wait for a dearer candidate, or sleep where it has none; `asleep`: a change next to it wakes it also
-    /// while it waits.
+    /// Lets a point wait for a dearer candidate, or sleep without any. `asleep`: a change next to the point wakes it
+    /// even while it waits.
     fn postpone(&mut self, point: u32, later: Best, asleep: bool) {
         self.best[point as usize] = later;
         if asleep || later.other == NONE {
@@ -639,7 +643,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         }
     }
 
-    /// The pair and position of a candidate that no oracle forbids; its patch is then in `self.patch`.
+    /// Returns pair, position and surcharge of a candidate, or `None` if an oracle forbids it. Leaves its patch in
+    /// `self.patch`.
     #[inline]
     fn legal(&mut self, point: u32, other: u32) -> Option<Legal> {
         let (pair, x) = self.judge().place(point, other);
@@ -675,7 +680,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Some(Legal { candidate: Candidate { pair, x, object }, surcharge })
     }
 
-    /// Does a candidate's collapse, unless a rule refuses it or it turns out dearer than it seemed.
+    /// Does a candidate's collapse, unless a rule refuses it or it turns out dearer than estimated.
     fn attempt(&mut self, point: u32, best: Best) -> Attempt {
         let Some(Legal { candidate, surcharge }) = self.legal(point, best.other) else {
             return Attempt::Refused;
@@ -709,21 +714,21 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Attempt::Done
     }
 
-    /// The largest error that the guard allows after the collapse whose patch is in `self.patch`, inner units.
+    /// Returns the largest error allowed by the guard after the collapse whose patch is in `self.patch`, inner units.
     fn guard_limit(&self) -> f32 {
         self.watch.limit(self.surface.live_sheets() - self.patch.opposite().len())
     }
 
-    /// Whether a collapse may bring the error beyond a limit: what lay on a patch is afterwards farther from it by no
-    /// more than the points move.
+    /// Whether a collapse may raise the error beyond `limit`: distances from the patch grow by at most the way the
+    /// points move.
     #[inline]
     fn may_exceed(&self, limit: f32, pair: Pair, x: Vec3) -> bool {
         let way = x.distance(self.surface.at(pair.lost)).max(x.distance(self.surface.at(pair.kept)));
         self.watch.largest + way > limit
     }
 
-    /// What a collapse costs by what it does to the input; `None` where that is not asked for, or the cost at hand is
-    /// that already.
+    /// Returns the cost of a collapse from its deviation from the input; `None` where costs are not verified, or the
+    /// cost is verified already.
     fn verify(&mut self, point: u32, other: u32, pair: Pair, x: Vec3) -> Option<f32> {
         let known = self.verified.get_mut(point as usize)?;
         if *known == other {
@@ -735,7 +740,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Some((VERIFIED_WEIGHT * rate * added).max(0.0))
     }
 
-    /// Tells the rules that want to know of a step that was done.
+    /// Notifies the watching rules of a step.
     fn tell(&mut self, kept: Option<u32>) {
         for &watcher in &self.watchers {
             self.oracles[watcher].changed(&self.surface, kept, &self.dead);
@@ -792,7 +797,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     }
 }
 
-/// What a candidate counts as that a rule puts off. Never 0, so that it comes after all that cost nothing.
+/// Returns the cost of a candidate deferred by a rule. Never 0, so it comes after all candidates of cost 0.
 fn dearer(cost: f32, surcharge: f32) -> f32 {
     if surcharge > 1.0 { (cost.max(LEAST_COST) * surcharge).min(f32::MAX) } else { cost }
 }

@@ -1,4 +1,4 @@
-//! How the error of a step is found: by the distance that points have travelled, or by tracked samples on surface and curves.
+//! Finds the error of a step: by the distance points have travelled, or by tracked samples on surface and curves.
 
 use glam::Vec3;
 
@@ -11,11 +11,11 @@ use super::surface::WorkingSurface;
 use super::tracked_samples::TrackedSamples;
 use super::way_back::WayBack;
 
-/// Deviations up to this are rounding and count as none, inner units: a few units in the last place of the coordinates,
-/// at most 1e-6 of the diagonal.
+/// Deviations up to this are rounding and count as 0, inner units: a few units in the last place of the coordinates, at
+/// most 1e-6 of the diagonal.
 const ROUNDING: f32 = 1.0 / 2_097_152.0;
 
-/// How far a step takes the level from the input, inner units.
+/// Distance of the level from the input after a step, inner units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Deviation {
     pub surface: f32,
@@ -28,25 +28,25 @@ impl Deviation {
         Self { surface: clean(surface), curve: clean(curve) }
     }
 
-    /// The larger of both.
+    /// Returns the larger of both.
     pub fn largest(self) -> f32 {
         self.surface.max(self.curve)
     }
 }
 
-/// How the error of a step is found.
+/// Method of finding the error of a step.
 pub(super) enum Errors {
     /// Bounds surface and curves alike.
     Parametric(ParametricError),
     TrackedSamples(Box<Watch>),
 }
 
-/// What is watched of surface and curves.
+/// Tracked samples of surface and curves.
 pub(super) struct Watch {
     surface: TrackedSamples,
     curves: CurveSamples,
     back: WayBack,
-    /// What was measured last, of which pair and where.
+    /// Last measurement: pair, position and result.
     measured: Option<(Pair, Vec3, Deviation)>,
 }
 
@@ -85,7 +85,8 @@ impl Errors {
                 let concerns = watch.curves.concerns(surface, pair, x);
                 let curve = if concerns { watch.curves.hand_over(surface, pair, x).worst } else { 0.0 };
                 let mut found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
-                // The way back starts from other points now; what was measured before is as true, and has passed the limits.
+                // The way back starts from other points now; the earlier measurement is equally true, and has passed the
+                // limits.
                 if let Some((_, _, before)) = watch.measured.take().filter(|&(p, at, _)| (p, at) == (pair, x))
                 {
                     found.surface = found.surface.min(before.surface);
@@ -97,8 +98,8 @@ impl Errors {
         }
     }
 
-    /// The integral of squared distance that a collapse adds, each point of the input standing for its share of the
-    /// area, on the surface and once more on a curve.
+    /// Returns the growth of the integral of squared distance by a collapse. Each input point stands for its share of
+    /// the area, on the surface and once more on a curve.
     pub fn added(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Option<f32> {
         match self {
             Self::Parametric(_) => None,
@@ -110,9 +111,9 @@ impl Errors {
         }
     }
 
-    /// The error of a part of `points` that vanishes, and is taken for the point `into`; `nearest` gives the squared
-    /// distance of a position to what is left near it, and the triangle that has it. Curves of the part go with it: they
-    /// are as far from what is left as its surface.
+    /// Returns the error of a vanishing part of `points`, replaced by the point `into`. `nearest` gives the squared
+    /// distance of a position to the remaining surface near it, and the nearest triangle. Curves of the part vanish too:
+    /// they are as far from the remaining surface as the part's surface.
     pub fn measure_vanishing(
         &mut self,
         surface: &WorkingSurface,
@@ -126,7 +127,7 @@ impl Errors {
         }
     }
 
-    /// Takes down that a part vanishes, just before it does and after it was measured: its error.
+    /// Records that a part vanishes, after it was measured and just before it vanishes. Returns its error.
     pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32], into: u32) -> Deviation {
         match self {
             Self::Parametric(error) => both(error.vanish(surface, points, into)),
@@ -134,7 +135,7 @@ impl Errors {
         }
     }
 
-    /// The triangles that what was measured last would hang on.
+    /// Returns the triangles taking over the samples measured last.
     pub fn takers(&self) -> impl Iterator<Item = u32> + '_ {
         let handed = match self {
             Self::Parametric(_) => &[][..],
@@ -145,8 +146,8 @@ impl Errors {
 }
 
 impl Watch {
-    /// The distances of surface and curves with that of the level's new triangles from the input, next to curves, on
-    /// small meshes and on coarse levels.
+    /// Returns the distances of surface and curves, including the distance from the level's new triangles to the input:
+    /// next to curves, on small meshes and on coarse levels.
     #[inline]
     fn with_way_back(
         &self,
@@ -156,8 +157,8 @@ impl Watch {
         x: Vec3,
         [apart, curve]: [f32; 2],
     ) -> Deviation {
-        // The small triangles of a fine level cover nothing anew around a point inside, nor does any where all that was
-        // there lies on what comes.
+        // Around an inner point, the small triangles of a fine level cover nothing new; nor do any triangles where
+        // everything before lies on the new surface.
         let covers = self.curves.concerns(surface, pair, x) || surface.is_coarse();
         if !covers || apart.max(curve) <= ROUNDING {
             return Deviation::new(apart, curve);
@@ -169,7 +170,7 @@ impl Watch {
     }
 }
 
-/// A bound for surface and curves.
+/// Uses the bound for surface and curves.
 fn both(bound: f32) -> Deviation {
     Deviation { surface: bound, curve: bound }
 }

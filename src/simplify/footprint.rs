@@ -1,13 +1,12 @@
-//! Where the input lies on a level: for the middle of every input triangle, the nearest place on the level in its own
-//! chart.
+//! Maps the input to a level: the middle of every input triangle to the nearest place on the level in its own chart.
 //!
 //! ```text
 //!     input triangle -> the vertices that stand for its corners -> the level's triangles around these
 //!                    -> the nearest one -> those around its corners -> ... until none is nearer
 //! ```
 //!
-//! Vertices are wedges, so triangles around them are of the same chart; where a seam has moved, the other side of it is
-//! not taken for this one. The search is local: a place that is nearer by far across the mesh is not found, nor meant.
+//! Vertices are wedges, so triangles around them are in the same chart; where a seam has moved, the search does not
+//! cross it. The search is local: it deliberately misses a much nearer place across the mesh.
 
 use glam::{DVec3, Vec3};
 
@@ -16,24 +15,24 @@ use crate::mesh::{Mesh, NONE, Topology};
 use super::lanes::Lanes;
 use super::sectors::{Sectors, least};
 
-/// Rounds of looking around the nearest triangle so far.
+/// Rounds of searching around the nearest triangle so far.
 const ROUNDS: usize = 4;
-/// A squared height over a triangle, as a share of its squared length, that no other triangle can be nearer than by much.
+/// A squared height over a triangle, relative to its squared length, below which no other triangle can be much nearer.
 const CLOSE: f64 = 0.01;
-/// Triangles around a vertex that are looked at; of hubs no more.
+/// Maximum number of triangles looked at around a vertex, for hubs.
 const MOST: usize = 64;
 
 /// A place on a level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// `NONE` where the input's part is gone from the level.
+    /// Triangle of the level; `NONE` where the input's part is gone from the level.
     pub triangle: u32,
-    /// Of the triangle's corners; they sum to 1.
+    /// Weights of the triangle's corners; they sum to 1.
     pub weights: [f32; 3],
 }
 
-/// The place of the middle of every triangle of the mesh. `number` gives for every vertex of the mesh the level's vertex
-/// that stands for it, `NONE` where there is none. O(input) for levels without hubs.
+/// Returns the place of the middle of every triangle of the mesh. `number`: per mesh vertex the level's vertex standing
+/// for it, or `NONE`. O(input) for levels without hubs.
 pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
     let stars = LevelStars::new(level);
     let one = |t: usize| {
@@ -53,8 +52,8 @@ pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
     }
 }
 
-/// Takes away the places of triangles whose part of the mesh is not the part that the level has there: of parts that
-/// vanished, which another one stands for. `origin` gives the mesh's triangle that each of the level's is the image of.
+/// Removes the places of triangles whose part differs from the level's part there: vanished parts, replaced by another
+/// part. `origin`: per triangle of the level, the mesh's triangle it is the image of.
 pub(super) fn keep_parts_apart(mesh: &Mesh, origin: &[u32], places: &mut [Place]) {
     let part = parts(mesh);
     let part_of = |t: u32| part[mesh.triangles()[t as usize][0] as usize];
@@ -65,7 +64,7 @@ pub(super) fn keep_parts_apart(mesh: &Mesh, origin: &[u32], places: &mut [Place]
     }
 }
 
-/// The part of every vertex: points joined by triangles. O(n).
+/// Returns the part of every vertex: points joined by triangles. O(n).
 pub(super) fn parts(mesh: &Mesh) -> Vec<u32> {
     let topology = Topology::new(mesh);
     let point_of = topology.point_of();
@@ -91,15 +90,15 @@ pub(super) fn at(mesh: &Mesh, vertex: u32) -> DVec3 {
     DVec3::from_array(mesh.positions()[vertex as usize].map(f64::from))
 }
 
-/// The middle of a triangle.
+/// Returns the middle of a triangle.
 fn middle(mesh: &Mesh, [a, b, c]: [u32; 3]) -> DVec3 {
     (at(mesh, a) + at(mesh, b) + at(mesh, c)) / 3.0
 }
 
-/// The triangles around every vertex of a level.
+/// Triangles around every vertex of a level.
 struct LevelStars<'a> {
     level: &'a Mesh,
-    /// Where positions are 0, and what makes the level's diagonal 1: so that single precision will do.
+    /// Origin and scale of `positions`: moved to 0 and scaled to a diagonal of 1, so single precision suffices.
     centre: DVec3,
     scale: f64,
     positions: Vec<Vec3>,
@@ -131,8 +130,8 @@ impl<'a> LevelStars<'a> {
         Self { level, centre, scale, positions, start, around }
     }
 
-    /// The nearest triangle around a vertex, and its squared distance from an inner point, where that is less than `best`: of
-    /// those that the point lies over only, or with their `sides`.
+    /// Returns the nearest triangle around a vertex, and its squared distance from an inner point, where less than
+    /// `best`. Only triangles the point lies over count, or with `sides` all triangles.
     #[inline]
     fn nearest_around(&self, vertex: u32, point: Vec3, sides: bool, best: (f32, u32)) -> (f32, u32) {
         let at = |v: u32| self.positions[v as usize];
@@ -141,7 +140,7 @@ impl<'a> LevelStars<'a> {
         let [first, last] = [vertex, vertex + 1].map(|v| self.start[v as usize] as usize);
         let mut best = best;
         for four in self.around[first..last.min(first + MOST)].chunks(4) {
-            // Lanes without a triangle repeat the last one.
+            // Lanes without a triangle repeat the last triangle.
             let one = |i: usize| four[i.min(four.len() - 1)];
             let [a, b] = [0, 1].map(|end| Lanes::gather(|i| at(one(i).1[end]) - origin));
             let sectors = Sectors::new(a, b, a.cross(&b));
@@ -162,7 +161,7 @@ impl<'a> LevelStars<'a> {
         let placed =
             |triangle: u32, weights: [f64; 3]| Place { triangle, weights: weights.map(|w| w as f32) };
         let inner = ((point - self.centre) * self.scale).as_vec3();
-        // Mostly the point lies close over a triangle of these, and no side need be asked.
+        // The point mostly lies close over a triangle here: no side need be tested.
         let mut best = (f32::INFINITY, NONE);
         for (i, &vertex) in corners.iter().enumerate() {
             if vertex != NONE && !corners[..i].contains(&vertex) {
@@ -202,8 +201,8 @@ impl<'a> LevelStars<'a> {
     }
 }
 
-/// Weights of the point of a triangle that lies under `p`, and the squared height of `p` over the squared length of the
-/// triangle's longest side; `None` where `p` lies over none.
+/// Returns the weights of the point of a triangle below `p`, and the squared height of `p` over the squared length of
+/// the triangle's longest side; `None` where `p` does not lie over the triangle.
 #[inline]
 fn inside(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64)> {
     let (ab, ac, ap) = (b - a, c - a, p - a);
@@ -218,7 +217,7 @@ fn inside(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64)> {
     Some(([1.0 - v - w, v, w], ap.dot(normal).powi(2) / (square * longest)))
 }
 
-/// Weights of the point of a triangle that is nearest to `p`, and its squared distance.
+/// Returns the weights of the point of a triangle nearest to `p`, and its squared distance.
 fn nearest(p: DVec3, [a, b, c]: [DVec3; 3]) -> ([f64; 3], f64) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(ac);

@@ -1,4 +1,4 @@
-//! A level whose parts have grown to cover what vanished beside them.
+//! Levels whose parts have grown to cover parts vanished beside them.
 //!
 //! ```text
 //!     . . . .        .   .        A part that vanished is taken for a vertex of one that is left (engine/vanish.rs).
@@ -6,9 +6,9 @@
 //!     . . . .        .   .           covered, seen along each axis, stays what it was
 //! ```
 //!
-//! How much has to come back depends on how parts hide each other, so it is found by looking: three powers, one an axis, to
-//! which every part's own ratio of areas is raised. What is covered along an axis goes by the two others, so from what is
-//! missing along each (its logarithm) follows how much each power has to change.
+//! How much must grow depends on how parts hide each other, so it is found by projecting: three powers, per axis, to
+//! which every part's own ratio of areas is raised. The area covered along an axis depends on the powers of the two other
+//! axes, so the missing area along each axis (its logarithm) determines how much each power has to change.
 
 use glam::{DVec3, Vec3};
 
@@ -17,46 +17,46 @@ use crate::mesh::{Attribute, AttributeValues, Mesh, NONE, Topology, names};
 use super::parts::Shape;
 use super::sequence::CollapseSequence;
 
-/// Cells of the picture along its longer side.
+/// Number of picture cells along its longer side.
 const CELLS: usize = 1024;
-/// Rounds of looking and growing on, and the share of what is missing that each makes up for.
+/// Number of rounds of measuring and growing. `STEP`: share of the missing area made up for by each round.
 const ROUNDS: usize = 16;
 const STEP: f64 = 0.7;
-/// Rounds that bring next to nothing after which nothing more is tried.
+/// Number of rounds without notable gain (5 %) after which the search stops.
 const IDLE: usize = 4;
-/// What may be missing along each axis (its logarithm).
+/// Tolerated logarithm of the missing area along each axis.
 const ENOUGH: f64 = 0.005;
-/// The power of a part's own missing area by which it may grow or shrink along an axis.
+/// Range of the power of a part's own missing area by which it may shrink or grow along an axis.
 const POWERS: [f64; 2] = [-1.0, 6.0];
 
-/// What growing did to a level.
+/// Effect of growing on a level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Growth {
-    /// Parts that grew.
+    /// Number of grown parts.
     pub parts: usize,
-    /// The farthest that a vertex went, object units: how far the level may lie from the input beyond what the
-    /// sequence's error says.
+    /// Maximum distance of a moved vertex, object units: the level may lie this much farther from the input than the
+    /// sequence's error.
     pub distance: f32,
-    /// What is covered along x, y and z, in parts of what the input covers; 1 where that is nothing. SeenNeighbour from either end
-    /// of an axis, the same is covered.
+    /// Covered area of the level along x, y and z, relative to the input's; 1 where the input covers nothing. Both
+    /// directions along an axis cover the same area.
     pub coverage: [f64; 3],
 }
 
 impl CollapseSequence {
-    /// The level of detail after `steps` steps, as by [`extract`](CollapseSequence::extract), with parts grown about their
-    /// middles where kin of theirs (of one material, near in size and direction) vanished beside them
-    /// ([`Parts::Vanish`](super::Parts::Vanish)), until as much is covered as in the input, seen along the axes. No vertex
-    /// goes farther than `most`, object units. The level itself where nothing has vanished.
+    /// Returns the level of detail after `steps` steps, as by [`extract`](CollapseSequence::extract), with parts grown
+    /// about their middles where kin (of the same material, similar in size and direction) vanished beside them
+    /// ([`Parts::Vanish`](super::Parts::Vanish)), until the covered area, seen along the axes, equals the input's. No
+    /// vertex moves farther than `most`, object units. Returns the level itself where nothing has vanished.
     ///
     /// O(input + pixels).
     pub fn extract_grown(&self, mesh: &Mesh, steps: usize, most: f32) -> (Mesh, Growth) {
         self.grow(mesh, steps, self.extract(mesh, steps), most)
     }
 
-    /// Lets the parts of a level grow, as by [`extract_grown`](CollapseSequence::extract_grown): of what
-    /// [`extract`](CollapseSequence::extract) or [`extract_fitted`](CollapseSequence::extract_fitted) gave for the same mesh
-    /// and number of steps. One that has other triangles comes back as it is.
+    /// Grows the parts of a level, as by [`extract_grown`](CollapseSequence::extract_grown). The level must come from
+    /// [`extract`](CollapseSequence::extract) or [`extract_fitted`](CollapseSequence::extract_fitted) for the same mesh
+    /// and number of steps. A level with other triangles is returned unchanged.
     pub fn grow(&self, mesh: &Mesh, steps: usize, level: Mesh, most: f32) -> (Mesh, Growth) {
         let none = Growth { coverage: [1.0; 3], ..Growth::default() };
         if steps == 0 || !self.fits(mesh) || level.triangles().is_empty() {
@@ -72,7 +72,7 @@ impl CollapseSequence {
         grow(mesh, level, &parts, f64::from(most))
     }
 
-    /// The parts of a level: their vertices, and the area that vanished beside them.
+    /// Returns the parts of a level: their vertices, and the area vanished beside them.
     fn level_parts(&self, mesh: &Mesh, level: &Mesh, steps: usize) -> Vec<LevelPart> {
         let (of_vertex, count) = components(mesh);
         let (of_level_vertex, level_count) = components(level);
@@ -93,7 +93,7 @@ impl CollapseSequence {
         }
         let mut parts: Vec<LevelPart> =
             level_shapes.iter().map(|&now| LevelPart { now, ..LevelPart::default() }).collect();
-        // Which part of the input each came from; those that several were joined into stay as they are.
+        // Find each part's source in the input; parts joined from several stay unchanged.
         let mut lives = vec![false; count];
         let mut source = vec![NONE; level_count];
         for (corners, &t) in triangles.iter().zip(&origin) {
@@ -143,7 +143,7 @@ struct LevelPart {
     now: Shape,
     vertices: Vec<u32>,
     is_joined: bool,
-    /// Area that it stands for and does not have.
+    /// Missing area: represented by the part, but not covered by its triangles.
     missing: f64,
 }
 
@@ -155,7 +155,7 @@ struct Growing<'a> {
 }
 
 impl Growing<'_> {
-    /// How far a part grows along each axis.
+    /// Returns the factor by which a part grows along each axis.
     fn scales(&self, part: &LevelPart, powers: [f64; 3]) -> DVec3 {
         let ratio = 1.0 + part.missing / f64::from(part.now.area);
         let at = |v: &u32| Vec3::from(self.level.positions()[*v as usize]);
@@ -168,7 +168,7 @@ impl Growing<'_> {
         DVec3::from(powers.map(scale))
     }
 
-    /// Puts every vertex where it goes; the farthest that one went.
+    /// Moves every vertex; returns the maximum distance moved.
     fn place(&self, powers: [f64; 3], positions: &mut [[f32; 3]]) -> f32 {
         let mut farthest: f32 = 0.0;
         for part in &self.parts {
@@ -185,7 +185,7 @@ impl Growing<'_> {
     }
 }
 
-/// `x` to a power, for `x` of 1 or more, by squares and square roots: the same on every platform.
+/// Returns `x` to a power, for `x >= 1`, by squares and square roots: identical on every platform.
 fn power_of(x: f64, power: f64) -> f64 {
     let (size, mut result, mut square) = (power.abs(), 1.0, x);
     let mut whole = size as u32;
@@ -219,7 +219,7 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
         parts: parts.iter().filter(|part| part.missing > 0.0 && part.now.area > 0.0).collect(),
         most: most.max(0.0),
     };
-    // The mean of what a power of 1 does to a part's width, as a step of its logarithm; by halves, which is near enough.
+    // Mean effect of a power of 1 on a part's width, as a step of its logarithm; halved, which is accurate enough.
     let ratios = growing.parts.iter().map(|part| (part.missing / f64::from(part.now.area)).min(1e6));
     let mean = 1.0 + ratios.sum::<f64>() / growing.parts.len().max(1) as f64;
     let unit = 0.5 * log_of(mean).max(0.05);
@@ -255,7 +255,7 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
         };
         for part in &growing.parts {
             let scales = growing.scales(part, best.0);
-            // Normals turn the other way than what they stand on.
+            // Normals scale inversely to tangents.
             let turn = match attribute.name() {
                 names::NORMAL => 1.0 / scales,
                 names::TANGENT => scales,
@@ -289,7 +289,7 @@ fn grow(mesh: &Mesh, level: Mesh, parts: &[LevelPart], most: f64) -> (Mesh, Grow
     (grown, growth)
 }
 
-/// The natural logarithm to a few digits, by square roots and a fraction: the same on every platform.
+/// Returns the natural logarithm to a few digits, by square roots and a fraction: identical on every platform.
 fn log_of(x: f64) -> f64 {
     let (mut root, mut times) = (x, 1.0);
     for _ in 0..5 {
@@ -300,8 +300,8 @@ fn log_of(x: f64) -> f64 {
     2.0 * times * (root - 1.0) / (root + 1.0)
 }
 
-/// Per vertex the part that it is in (`NONE` where no triangle uses it), vertices at one position being one; and how many
-/// there are.
+/// Returns, per vertex, its part (`NONE` where no triangle uses it), and the number of parts. Vertices at the same
+/// position belong to the same part.
 fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
     let topology = Topology::new(mesh);
     let point_of = topology.point_of();
@@ -339,7 +339,7 @@ fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
     (point_of.iter().map(of).collect(), count as usize)
 }
 
-/// What each part is like, object units.
+/// Returns the shape of each part, object units.
 fn shapes(mesh: &Mesh, of_vertex: &[u32], count: usize) -> Vec<Shape> {
     let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO, NONE); count];
     for (t, corners) in mesh.triangles().iter().enumerate() {
@@ -375,7 +375,7 @@ struct View {
 }
 
 impl View {
-    /// A view of a mesh with some room around it.
+    /// Creates a view of a mesh with a margin around it.
     fn around(mesh: &Mesh) -> Self {
         let [low, high] = mesh.bounds().unwrap_or([[0.0; 3]; 2]).map(|p| p.map(f64::from));
         let side = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
@@ -390,7 +390,7 @@ impl View {
         }
     }
 
-    /// Cells whose middle a triangle covers, seen along an axis.
+    /// Counts the cells whose middle a triangle covers, seen along an axis.
     fn covered(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]], axis: usize) -> usize {
         let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
         let (width, height) = (self.cells[u], self.cells[v]);
@@ -410,7 +410,7 @@ impl View {
             }
             let low = ceil(a[1].min(b[1]).min(c[1])).max(0);
             let high = floor(a[1].max(b[1]).max(c[1])).min(height as i64 - 1);
-            // An edge that leads up bounds rows from one side, one that leads down from the other.
+            // A rising edge bounds rows from one side, a falling edge from the other.
             let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| {
                 let rise = (q[1] - p[1]) * area.signum();
                 (p, rise, if rise == 0.0 { 0.0 } else { (q[0] - p[0]) / (q[1] - p[1]) })
@@ -431,19 +431,19 @@ impl View {
                 }
             }
         }
-        // In runs of which a byte holds the sum.
+        // Sum in runs whose sum fits in a byte.
         let sum = |run: &[u8]| usize::from(run.iter().sum::<u8>());
         cells.chunks(255).map(sum).sum()
     }
 }
 
-/// The least whole number not below `x`. An edge that hardly rises goes on far beyond all whole numbers.
+/// Returns the least integer not below `x`. An almost horizontal edge reaches far beyond all integers.
 fn ceil(x: f64) -> i64 {
     let whole = x as i64;
     whole.saturating_add(i64::from((whole as f64) < x))
 }
 
-/// The largest whole number not above `x`.
+/// Returns the largest integer not above `x`.
 fn floor(x: f64) -> i64 {
     let whole = x as i64;
     whole.saturating_sub(i64::from(whole as f64 > x))

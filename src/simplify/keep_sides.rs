@@ -1,16 +1,16 @@
-//! Texture coordinates that were solved for, kept from turning triangles over: where a fit mirrors a triangle, its corners
-//! go back to the values they had before, which the simplifier has checked.
+//! Keeps solved texture coordinates from flipping triangles: where a fit mirrors a triangle, its corners return to their
+//! values before the fit, which the simplifier has checked.
 
 use crate::mesh::{Attribute, names};
 
 use super::wedge_values::side;
 
-/// Passes after which all that is left goes back.
+/// Number of passes after which the corners of all triangles go back.
 const PASSES: usize = 12;
 
-/// Takes values of `before` for those of `after`, vertex by vertex, until no triangle lies on another side of texture
-/// space than before, in any set of coordinates. Vertices of one place and value before stay of one value. O(triangles)
-/// a pass; a few passes.
+/// Replaces values of `after` by values of `before`, vertex by vertex, until no triangle lies on another side of
+/// texture space than before, in any set of coordinates. Vertices with equal positions and equal values before keep
+/// equal values. O(triangles) a pass; a few passes.
 pub(super) fn keep_sides(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -28,7 +28,7 @@ pub(super) fn keep_sides(
 
 fn keep(positions: &[[f32; 3]], triangles: &[[u32; 3]], before: &[f32], after: &mut [f32]) {
     let at = |values: &[f32], v: u32| [values[2 * v as usize], values[2 * v as usize + 1]];
-    // Filled when the first triangle is turned over: mostly none is.
+    // Filled when the first triangle is flipped: mostly none is.
     let mut order: Vec<u32> = Vec::new();
     let key = |v: u32| (positions[v as usize].map(f32::to_bits), at(before, v).map(f32::to_bits));
     let mut back = vec![false; positions.len()];
@@ -36,7 +36,7 @@ fn keep(positions: &[[f32; 3]], triangles: &[[u32; 3]], before: &[f32], after: &
         let mut any = false;
         for &t in triangles {
             let was = side(t.map(|v| at(before, v)));
-            // One that had lost its side could come back on the other.
+            // A triangle flattened to a line counts too: it could come back on the other side.
             if side(t.map(|v| at(after, v))) != was || pass == PASSES {
                 any |= t.iter().any(|&v| !back[v as usize]);
                 t.iter().for_each(|&v| back[v as usize] = true);
@@ -63,7 +63,7 @@ fn keep(positions: &[[f32; 3]], triangles: &[[u32; 3]], before: &[f32], after: &
 mod tests {
     use super::*;
 
-    /// A fan of four triangles whose middle was moved across its rim in texture space, once among others.
+    /// Tests a fan of four triangles whose middle was moved across its rim in texture space, among other triangles.
     #[test]
     fn a_mirrored_corner_goes_back_and_others_stay() {
         let rim = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [9.0, 9.0], [9.0, 8.0]];
@@ -83,7 +83,7 @@ mod tests {
         }
     }
 
-    /// One that was a line before stays one, whatever the fit says.
+    /// A triangle flat in texture space before stays flat, whatever the fit says.
     #[test]
     fn a_line_gets_no_side() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];

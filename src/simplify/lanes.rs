@@ -1,4 +1,4 @@
-//! Four vectors at once, so that the processor's four lanes work on four triangles or neighbours side by side.
+//! Four vectors at once, so the processor's four lanes work on four triangles or neighbours in parallel.
 
 use glam::{Vec3, Vec4};
 
@@ -34,7 +34,7 @@ impl Lanes {
         Self(std::array::from_fn(|i| self.0[i] - o.0[i]))
     }
 
-    /// Squared distances from a point to the segments that run from here along `along`.
+    /// Returns the squared distances from a point to the segments running from these points along `along`.
     #[inline]
     pub fn distance_squared(&self, along: &Self, p: &Self) -> Vec4 {
         let from = p.minus(self);

@@ -1,23 +1,58 @@
-//! How detail is taken away: from a mesh to the sequence of every collapse.
+//! How detail is removed: from a mesh to the sequence of every collapse.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `simplifier.rs` | [`Simplifier`], the front door; `options.rs`: order, targets, progress |
-//! | `engine.rs` | the driver; `engine/around.rs`: what a collapse makes stale; `engine/give.rs`: what gives before a target is missed; `engine/vanish.rs`: how a part goes; `engine/finish.rs`: how it ends; `candidates.rs`: who, where and at what cost; `queue.rs`: points by cost; `pairs.rs`: pairs that no edge joins; `parts.rs`: separate parts; `near.rs`: what lies near |
-//! | `surface.rs` | [`WorkingSurface`], the mesh while it is simplified; `stars.rs`: the corners around its points; `sheets.rs`: triangles over the same points; `classify.rs`: borders, seams and the like; `curves.rs`: those of the input and creases, and what became of them; `patch.rs`: what one collapse would change |
-//! | `oracle.rs` | [`Oracle`]: which collapses are legal; `permissive.rs`: what gives where a target would be missed; `apart.rs`: whether the surface would cross itself |
-//! | `wedge_map.rs` | where the wedges of a merged point go; `wedge_values.rs`: what tells them apart, and the sides of triangles in texture space; `keep_sides.rs`: fits that keep them |
+//! | `simplifier.rs` | [`Simplifier`], the entry point |
+//! | `options.rs` | order, targets, progress |
+//! | `engine.rs` | the driver: takes the cheapest collapse, asks the oracles, collapses |
+//! | `engine/around.rs` | what a collapse makes stale |
+//! | `engine/give.rs` | rules that give before a target is missed |
+//! | `engine/hubs.rs` | points with very many triangles |
+//! | `engine/vanish.rs` | how a part vanishes |
+//! | `engine/watch.rs` | the guard: the largest error explained by the remaining triangles |
+//! | `engine/finish.rs` | how a simplification ends |
+//! | `candidates.rs` | candidates: pair, position and cost |
+//! | `queue.rs` | points by cost |
+//! | `pairs.rs` | pairs not joined by an edge |
+//! | `parts.rs` | separate parts |
+//! | `near.rs` | nearest points of other parts |
+//! | `surface.rs` | [`WorkingSurface`], the mesh while it is simplified |
+//! | `stars.rs` | the corners around every point |
+//! | `sheets.rs` | triangles over equal points |
+//! | `classify.rs` | borders, seams and other kinds of points and edges |
+//! | `curves.rs` | curves of the input, creases, and their images on the level |
+//! | `patch.rs` | the triangles changed by a collapse |
+//! | `oracle.rs` | [`Oracle`]: which collapses are legal |
+//! | `permissive.rs` | rules that give where a target would be missed |
+//! | `apart.rs` | whether the surface would cross itself |
+//! | `wedge_map.rs` | where the wedges of a merged point go |
+//! | `wedge_values.rs` | values that tell wedges apart, and the sides of triangles in texture space |
+//! | `keep_sides.rs` | fitted texture coordinates that mirror no triangle |
 //! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
-//! | `metric/` | [`ErrorMetric`]: what one costs |
+//! | `metric/` | [`ErrorMetric`]: costs of collapses |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
-//! | `lanes.rs` | four vectors at once; `sectors.rs`: four triangles around a point, and how far a place is from each |
-//! | `errors.rs` | how the error of a step is found; `tracked_samples.rs`: how far the input lies from the level; `curve_samples.rs`: the same for curves; `way_back.rs`: how far the level lies from the input, next to curves and once it is coarse; `angles.rs`: few of many triangles around a point; `parametric_error.rs`: how far its points have travelled |
-//! | `recorder.rs` | writes the sequence; `reorder.rs`: puts tiles' steps in order; `sequence.rs`: [`CollapseSequence`]; `report.rs`: why it stopped |
-//! | `grow.rs` | levels whose parts grow for those that vanished |
-//! | `solved.rs` | attributes of new vertices that fit the surface they stand for |
-//! | `footprint.rs` | where the input lies on a level; `refit.rs`: attributes fitted to the input; `attribute_deviation.rs`: what they are off by |
-//! | `sequence_build.rs` | sequences from a simplifier of your own; `sequence_check.rs`: every promise checked |
-//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits; `progressive_check.rs`: every promise checked |
+//! | `lanes.rs` | four vectors at once |
+//! | `sectors.rs` | four triangles around a point, and the distance of a place from each |
+//! | `errors.rs` | how the error of a step is found |
+//! | `tracked_samples.rs` | distance of the input from the level |
+//! | `curve_samples.rs` | distance between the curves of input and level |
+//! | `way_back.rs` | distance of the level from the input, next to curves and on coarse levels |
+//! | `angles.rs` | few of many triangles around a point |
+//! | `parametric_error.rs` | distance travelled by input points |
+//! | `recorder.rs` | writes the sequence |
+//! | `reorder.rs` | puts the steps of tiles in order |
+//! | `sequence.rs` | [`CollapseSequence`] |
+//! | `report.rs` | what a simplification reached, and why it stopped |
+//! | `grow.rs` | levels whose parts grow to replace vanished parts |
+//! | `solved.rs` | attributes of new vertices, fitted to the surface |
+//! | `footprint.rs` | where the input lies on a level |
+//! | `refit.rs` | attributes of a level, fitted to the input |
+//! | `attribute_deviation.rs` | deviation of a level's attributes |
+//! | `collapse_forest.rs` | the substitutions of a sequence as a forest |
+//! | `sequence_build.rs` | sequences from your own simplifier |
+//! | `sequence_check.rs` | checks every promise of a sequence |
+//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
+//! | `progressive_check.rs` | checks every promise of a progressive mesh |
 
 mod angles;
 mod apart;

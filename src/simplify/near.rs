@@ -1,4 +1,4 @@
-//! The input's points in a tree of boxes: which points of other parts lie nearest to a place.
+//! The input's points in a tree of boxes, to find the nearest points of other parts.
 //!
 //! ```text
 //!     node 1     all points            children of node i: 2 i and 2 i + 1, halves along the longest side of its box
@@ -6,8 +6,8 @@
 //!    4 5   6 7   leaves                of: the asking part, and what is gone, are skipped whole
 //! ```
 //!
-//! Points keep their place in the tree while they are merged: a merged point stands for the point that it became. So the
-//! tree is built once, O(n log n); a search takes O(log n) expected.
+//! Points keep their place in the tree while they are merged: each point stands for the point it was merged into. The
+//! tree is built once, O(n log n). A search takes O(log n) expected.
 
 use glam::Vec3;
 
@@ -19,13 +19,13 @@ const LEAF: usize = 16;
 /// The points of a surface in a tree of boxes.
 #[derive(Debug, Clone)]
 pub(super) struct Near {
-    /// Points and where they lay in the input, in the order of the leaves.
+    /// Points and their positions in the input, in the order of the leaves.
     points: Vec<(Vec3, u32)>,
-    /// Start of each leaf; one more than leaves.
+    /// Start of each leaf; length leaves + 1.
     start: Vec<u32>,
-    /// Per point the leaf that it is in; `NONE` where it is in none.
+    /// Per point its leaf; `NONE` if the point is in no leaf.
     leaf_of: Vec<u32>,
-    /// Per node: its box, how many of its points count, and the part of them all (`NONE` where of several).
+    /// Per node: its box, the number of its points that count, and their common part (`NONE` for several parts).
     boxes: Vec<[Vec3; 2]>,
     live: Vec<u32>,
     part: Vec<u32>,
@@ -33,7 +33,7 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// The tree of points of a surface of `count` points; `part` gives the part of each.
+    /// Builds the tree of the points of a surface of `count` points; `part` gives the part of each point.
     pub fn new(mut points: Vec<(Vec3, u32)>, count: usize, part: impl Fn(u32) -> u32) -> Self {
         let leaves = points.len().div_ceil(LEAF).next_power_of_two();
         let mut near = Self {
@@ -51,7 +51,7 @@ impl Near {
         near
     }
 
-    /// Arranges the points of a node, the first of which is the tree's number `first`, and fills the node.
+    /// Arranges the points of a node, which start at index `first` of the tree, and fills the node.
     fn split(&mut self, points: &mut [(Vec3, u32)], first: usize, node: usize, part: &impl Fn(u32) -> u32) {
         let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         let [low, high] = points.iter().fold(start, |[low, high], &(p, _)| [low.min(p), high.max(p)]);
@@ -78,7 +78,7 @@ impl Near {
         self.merge_parts(node, |part| part);
     }
 
-    /// Takes the part of a node from its children; `root` says what a part was joined into.
+    /// Takes the part of a node from its children; `root` maps a part to the part it was joined into.
     fn merge_parts(&mut self, node: usize, root: impl Fn(u32) -> u32) {
         let [a, b] = [2 * node, 2 * node + 1];
         let of = |child: usize| if self.part[child] == NONE { NONE } else { root(self.part[child]) };
@@ -90,7 +90,7 @@ impl Near {
         };
     }
 
-    /// Lets a point count no longer. O(log n).
+    /// Excludes a point from further searches. O(log n).
     pub fn remove(&mut self, point: u32) {
         let leaf = std::mem::replace(&mut self.leaf_of[point as usize], NONE);
         if leaf == NONE {
@@ -103,9 +103,9 @@ impl Near {
         }
     }
 
-    /// The `most` points nearest to `at`, no farther than `reach`, of parts other than `own`; nearest first as
-    /// `[distance squared, point]`, of equal ones the lower number. `part` gives the part of a point that counts, and
-    /// `root` what a part was joined into.
+    /// Finds the `most` points of parts other than `own` nearest to `at`, at a distance of at most `reach`. Returns them
+    /// in `found`, nearest first, as `(distance squared, point)`; of equal distances the lower number first. `part` gives
+    /// the part of a point, and `root` maps a part to the part it was joined into.
     pub fn nearest(
         &mut self,
         at: Vec3,
@@ -158,7 +158,7 @@ impl Near {
     }
 }
 
-/// Orders points by a coordinate, and by their number where it is the same: one comparison for both.
+/// Sort key of a coordinate and, for equal coordinates, the point's number: a single comparison for both.
 #[inline]
 fn key(x: f32, point: u32) -> u64 {
     // Positive numbers are in the order of their bits, negative ones in the opposite order.
@@ -171,7 +171,7 @@ fn key(x: f32, point: u32) -> u64 {
 mod tests {
     use super::*;
 
-    /// Against trying all, while points go and parts are joined.
+    /// Compares with an exhaustive search, while points are removed and parts are joined.
     #[test]
     fn finds_what_trying_all_finds() {
         let mut state = 1u32;
@@ -199,7 +199,7 @@ mod tests {
             let mut found = Vec::new();
             near.nearest(at, own, (6, 8.0), part, root, &mut found);
             assert_eq!(found, all, "round {round}");
-            // A part goes, and two are joined.
+            // A part is removed, and two parts are joined.
             let lost = (7 * round) % 50;
             for p in (10 * lost..10 * lost + 10).filter(|_| round % 3 == 0) {
                 gone[p as usize] = true;

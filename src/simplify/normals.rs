@@ -1,4 +1,4 @@
-//! What becomes of normals: they stay with their seams, are computed anew from each level's triangles, or go.
+//! Treatment of normals: kept with their seams, recomputed from each level's triangles, or dropped.
 //!
 //! ```text
 //!     every face its own normals        every edge is a seam, so nothing can be merged
@@ -10,55 +10,57 @@ use crate::mesh::{Creases, Mesh, names};
 
 use super::OptionError;
 
-/// Normals are hard everywhere where they alone hold more than this share of the points.
+/// Least share of points held by normals alone for [`Normals::Automatic`] to recompute.
 const HARD_SHARE: f64 = 0.2;
-/// A crease angle explains normals where it gives so many corners theirs.
+/// Least share of corners whose normals a crease angle must explain.
 const EXPLAINED_SHARE: f64 = 0.99;
 
-/// What becomes of normals.
+/// Treatment of normals in a simplification.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Normals {
-    /// As [`Normals::Recompute`] where hard edges are everywhere and would hold the mesh: where normals alone make three or
-    /// more seams meet at over a fifth of the points, and a crease angle explains the normals of 99 % of the corners to
-    /// within five degrees. As [`Normals::Keep`] everywhere else, where there are tangents, and where no target
-    /// is asked for: all levels down to the base mesh are what structures are built from, whose vertices are fixed.
+    /// Recomputes normals if hard edges everywhere would hold the mesh, otherwise keeps them. Acts as
+    /// [`Normals::Recompute`] if normals alone make three or more seams meet at over a fifth of the points, and a crease
+    /// angle explains the normals of 99 % of the corners to within five degrees. Acts as [`Normals::Keep`] in all other
+    /// cases, with tangents, with normals among the chosen attributes, and without a target: all levels down to the base
+    /// mesh are needed for structures with fixed vertices.
     #[default]
     Automatic,
-    /// They are carried along, and edges across which they change are seams.
+    /// Keeps normals. Edges across which normals change are seams.
     Keep,
-    /// They make no seams, and [`CollapseSequence::extract`](super::CollapseSequence::extract) computes them anew from the
+    /// Normals make no seams. [`CollapseSequence::extract`](super::CollapseSequence::extract) recomputes them from the
     /// level's triangles.
     ///
-    /// Structures whose vertices are fixed (totally ordered meshes, hierarchies, progressive meshes) have one vertex for all
-    /// normals of a point then, with those of the lowest: give them normals of your own, or shade by face.
+    /// Structures with fixed vertices (totally ordered meshes, hierarchies, progressive meshes) then have a single vertex
+    /// for all normals of a point, with the normal of the lowest vertex: give them your own normals, or shade by face.
     Recompute {
-        /// Edges that turn by more are creases, degrees, 0 to 180. None: the angle that explains the input's normals best.
+        /// Edges with a larger angle between normals are creases, degrees, 0 to 180. `None`: the angle that explains the
+        /// input's normals best.
         crease_angle: Option<f32>,
     },
-    /// They make no seams, and levels have none; nor tangents.
+    /// Normals make no seams, and levels have neither normals nor tangents.
     Drop,
 }
 
-/// What became of normals.
+/// Treatment that normals received.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NormalsDone {
-    /// They were carried along, if there were any.
+    /// Normals were kept, if there were any.
     #[default]
     Kept,
-    /// Levels have normals of their own triangles.
+    /// Levels have normals recomputed from their own triangles.
     Recomputed(Creases),
-    /// Levels have none.
+    /// Levels have no normals.
     Dropped,
 }
 
 impl Normals {
-    /// What is to be done with the normals of a mesh. O(n log n).
+    /// Decides the treatment of a mesh's normals. O(n log n).
     ///
     /// # Errors
-    /// A crease angle that is not 0 to 180 degrees.
+    /// A crease angle outside 0 to 180 degrees.
     pub fn resolve(self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
         if let Self::Recompute { crease_angle: Some(angle) } = self {
             if !(0.0..=180.0).contains(&angle) {
@@ -90,7 +92,7 @@ impl Normals {
 }
 
 impl NormalsDone {
-    /// The mesh as its edges are looked at: without normals that make no seams. None where that is the mesh itself.
+    /// Returns the mesh without normals that make no seams; `None` if it is the mesh itself.
     pub(super) fn bare(&self, mesh: &Mesh) -> Option<Mesh> {
         match self {
             Self::Kept => None,
@@ -99,7 +101,7 @@ impl NormalsDone {
         }
     }
 
-    /// A level with the normals that it is to have.
+    /// Gives a level its final normals.
     pub(super) fn finish(&self, level: Mesh) -> Mesh {
         match self {
             Self::Kept => level,
@@ -108,7 +110,7 @@ impl NormalsDone {
         }
     }
 
-    /// Whether a file may say so.
+    /// Whether the values are in range, as read from a file.
     pub(super) fn is_valid(&self) -> bool {
         match self {
             Self::Recomputed(creases) => (0.0..=180.0).contains(&creases.angle),
@@ -117,10 +119,10 @@ impl NormalsDone {
     }
 }
 
-/// The creases of a mesh that is nothing but creases.
+/// Returns the creases of a mesh whose normals are hard everywhere.
 fn explained(mesh: &Mesh) -> Option<Creases> {
-    // Points with three seams have three vertices, and a surface has about half as many points as triangles: a fifth of
-    // them takes seven vertices for ten triangles.
+    // Points with three seams have three vertices, and a surface has about half as many points as triangles: with a fifth
+    // of such points there are 7 vertices for 10 triangles.
     let few = mesh.positions().len() * 10 < mesh.triangles().len() * 7;
     if few || mesh.attribute(names::TANGENT).is_some() || Creases::hard_share(mesh) <= HARD_SHARE {
         return None;

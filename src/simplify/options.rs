@@ -1,114 +1,117 @@
-//! What can be asked of a simplification: order, attributes, targets, progress.
+//! Options of a simplification: order, attributes, targets, progress.
 
 use crate::mesh::Mesh;
 
 use super::metric::Attributes;
 
-/// In which order collapses are done.
+/// Order of the collapses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Order {
-    /// Always the cheapest next, to within one cost class of 6.25 % (Southern 3.3). Above 65,536 points, to within a
-    /// band of one or two octaves while it is found, and then sorted (see `docs/architecture.md`).
+    /// The cheapest collapse next, to within a cost class of 6.25 % (Southern 3.3). Above 65,536 points, collapses are
+    /// found to within a band of one or two octaves and then sorted (see `docs/architecture.md`).
     #[default]
     Linear,
-    /// Batches of collapses whose neighbourhoods do not touch, cheapest first inside each (Southern 3.4). Each batch
-    /// at most halves the mesh or so, the collapses of one batch may be undone in any order, and the metric may change
-    /// between batches.
+    /// Batches of collapses with disjoint neighbourhoods, cheapest first inside each (Southern 3.4). Each batch at most
+    /// about halves the mesh. The collapses of a batch may be undone in any order, and the metric may change between
+    /// batches.
     Batched,
 }
 
-/// What the error of a step is, and whether it is asked before the step is done.
+/// Error measure of a step, and whether it is checked before the step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorMeasure {
-    /// How far input points have travelled to the point they were merged into. A proven bound for the distance of
-    /// the surfaces in both directions and for how far textures slide, but a loose one where the surface is flat: the
-    /// fastest, for a sequence of which only the order matters.
+    /// Distance travelled by input points to the point they were merged into. A proven bound for the distance of the
+    /// surfaces in both directions and for the sliding of textures, but loose where the surface is flat. Fastest: for a
+    /// sequence used only for its order.
     Parametric,
-    /// The largest distance of an input point from the level's surface, of the curves of input and level from each other, and
-    /// next to curves and on coarse levels of the level's triangles from the input, measured as they change. Tight.
+    /// Largest of the distances of input points from the level's surface and of the curves of input and level from each
+    /// other; next to curves and on coarse levels also of the level's triangles from the input. Measured as they change.
+    /// Tight.
     #[default]
     Measured,
-    /// As `Measured`; and where the metric's costs are squared distances (the quadrics), a collapse that would move
-    /// the input further from the surface than its cost foresaw waits until that is the cheapest. Levels of the same
-    /// size lie up to a third closer to the input, for about twice the time.
+    /// As `Measured`. In addition, if the metric's costs are squared distances (the quadrics), a collapse moving the
+    /// input further from the surface than foreseen by its cost waits until its true cost is the cheapest. Levels of
+    /// equal size lie up to a third closer to the input, for about twice the time.
     Verified,
 }
 
-/// Whether collapses are refused that would ruin the shape.
+/// Whether collapses ruining the shape are refused.
 ///
-/// What is left when everything better is refused by a rule may be terrible: a wall that folds into a corner while its
-/// ornaments stand. While on, a collapse is refused that would bring the error beyond what the triangles left explain,
+/// When the rules refuse everything better, the remaining collapses may be terrible: a wall folds into a corner while its
+/// ornaments stand. While on, a collapse is refused if its error would exceed the limit explained by the remaining
+/// triangles,
 ///
 /// ```text
 ///     diagonal * max(1 / 100, 5 / (2 sqrt(triangles)))
 /// ```
 ///
-/// where the diagonal is that of the box around the input's triangles and the triangles are those that the collapse would
-/// leave: some two and a half times the length that the edges of as many even triangles have. Of 60 models, scans down to
-/// 1 % of their triangles stay below `0.9 diagonal / sqrt(triangles)` and nearly all levels that were asked for and
-/// reached below 2.4; levels that were ruined lie between 3 and 12. Other collapses go on, and what was refused is tried again
-/// as triangles go and the limit grows; where none is left, the simplification stops for
-/// [`StopReason::Guard`](super::StopReason::Guard). The limit holds also where no target is asked for, as for base
-/// meshes: below 7 triangles it allows anything.
+/// where `diagonal` is the diagonal of the box around the input's triangles, and `triangles` counts the triangles after
+/// the collapse. The second term is about 2.5 times the edge length of as many even triangles. Of 60 models, scans down
+/// to 1 % of their triangles stay below `0.9 diagonal / sqrt(triangles)`, and nearly all levels asked for and reached
+/// below 2.4. Ruined levels lie between 3 and 12.
 ///
-/// The guard judges measured distances: it has no say with [`ErrorMeasure::Parametric`].
+/// Other collapses go on. Refused collapses are tried again as triangles go and the limit grows; if none is left, the
+/// simplification stops with [`StopReason::Guard`](super::StopReason::Guard). The limit also holds without a target, as
+/// for base meshes: below 7 triangles it allows anything.
+///
+/// The guard judges measured distances: it has no effect with [`ErrorMeasure::Parametric`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Guard {
-    /// Collapses that ruin are refused.
+    /// Refuses collapses ruining the shape.
     #[default]
     On,
-    /// Whatever the rules allow is done.
+    /// Allows every collapse allowed by the rules.
     Off,
 }
 
 impl Guard {
-    /// The largest error of a level of so many triangles, in the unit of the diagonal.
+    /// Returns the largest allowed error of a level of `triangles` triangles, in the unit of `diagonal`.
     pub(super) fn limit(diagonal: f32, triangles: usize) -> f32 {
         diagonal * (2.5 / (triangles.max(1) as f32).sqrt()).max(0.01)
     }
 }
 
-/// What becomes of separate parts (points joined by triangles) that are as coarse as they get: leaves, pebbles, struts.
+/// Treatment of separate parts (points joined by triangles) at their coarsest: leaves, pebbles, struts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Parts {
-    /// A part vanishes as a whole, in one step, when that is the cheapest next step by its area and size. The last part
-    /// stays. Parts with a locked vertex stay, and so do those that another rule holds
+    /// A part vanishes as a whole, in a single step, when its area and size make this the cheapest next step. The last
+    /// part stays. Parts with a locked vertex stay, and so do parts held by another rule
     /// ([`Oracle::allows_vanishing`](super::Oracle::allows_vanishing)).
     #[default]
     Vanish,
-    /// Every part stays, as far as the other rules have it: of an open one a triangle, of a closed one a tetrahedron.
+    /// Every part stays, as far as other rules allow: an open part as a triangle, a closed part as a tetrahedron.
     Keep,
 }
 
-/// Which attributes count in what collapses cost, beside the shape.
+/// Attributes counted by the costs of collapses, beside the shape.
 ///
-/// They weigh as [`metric::Attributes`](super::metric::Attributes) says: with every metric, at its own exchange rate. A
-/// mesh without the attributes that count is simplified as if none did.
+/// Weights are defined in [`metric::Attributes`](super::metric::Attributes). They work with every metric, at its own
+/// exchange rate. On a mesh without the counted attributes, costs count the shape alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum AttributeWeights {
-    /// None: they are carried along, seams are kept, but values do not steer.
+    /// No attribute counts. Attributes are carried along and seams are kept, but values do not steer.
     Off,
     /// Normals, texture coordinates and colours, with the
     /// [customary weights](super::metric::Attributes::customary).
     #[default]
     Customary,
-    /// The float attributes of these names, which the mesh must have, each with a weight: the distance that a deviation
-    /// of one unit is worth, as a share of the diagonal of the mesh's box, 0 to 1,000,000.
+    /// The float attributes with these names, which the mesh must have, each with a weight: the distance costing as much
+    /// as a deviation of 1 unit, as a share of the diagonal of the mesh's box, 0 to 1,000,000.
     Chosen(Vec<(String, f32)>),
 }
 
 impl AttributeWeights {
-    /// What counts of a mesh; `None` where that is nothing.
+    /// Returns the counted attributes of a mesh; `None` if none count.
     pub(super) fn of<'a>(&self, mesh: &'a Mesh) -> Result<Option<Attributes<'a>>, OptionError> {
         let attributes = match self {
             Self::Off => return Ok(None),
@@ -121,19 +124,19 @@ impl AttributeWeights {
     }
 }
 
-/// When to stop. With several targets the first one reached stops.
+/// When to stop. With several targets the first target reached stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Target {
     /// At most this many triangles.
     Triangles(usize),
-    /// At most this many vertices (wedges that a triangle uses).
+    /// At most this many vertices (wedges used by triangles).
     Vertices(usize),
     /// At most this share of the input's triangles, 0 to 1.
     Ratio(f64),
-    /// As few triangles as possible while the error bound stays within this, object units.
+    /// As few triangles as possible with an error bound of at most this value, object units.
     Error(f32),
-    /// At most this many bytes as an indexed mesh with 32-bit indices.
+    /// At most this many bytes, as an indexed mesh with 32-bit indices.
     Bytes {
         /// The bytes of vertices and indices together.
         bytes: usize,
@@ -142,7 +145,7 @@ pub enum Target {
     },
 }
 
-/// An option that makes no sense.
+/// An invalid option.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionError {
@@ -151,20 +154,20 @@ pub enum OptionError {
     OutOfRange {
         /// The option.
         option: &'static str,
-        /// Its value.
+        /// The given value.
         value: f64,
-        /// What it should be.
+        /// The allowed values.
         expected: &'static str,
     },
-    /// The mesh has no such attribute of floats.
+    /// The mesh has no float attribute with this name.
     #[error("the mesh has no float attribute named {name:?}")]
     NoAttribute {
-        /// The attribute asked for.
+        /// Name of the attribute.
         name: String,
     },
 }
 
-/// How far a simplification is.
+/// Progress of a simplification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
@@ -174,19 +177,19 @@ pub struct Progress {
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
-    /// The triangles that the targets ask for, as far as they say; 0 otherwise.
+    /// The triangles asked for by the targets, if known; otherwise 0.
     pub target_triangles: usize,
 }
 
 impl Progress {
-    /// The share of the way done, 0 to 1.
+    /// The completed share of the work, 0 to 1.
     pub fn fraction(&self) -> f32 {
         let way = self.input_triangles.saturating_sub(self.target_triangles).max(1);
         (self.input_triangles.saturating_sub(self.triangles) as f32 / way as f32).min(1.0)
     }
 }
 
-/// The targets, in one place to ask after every step.
+/// All targets combined, checked after every step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub triangles: usize,
@@ -215,12 +218,12 @@ impl Limits {
         Ok(limits)
     }
 
-    /// Whether a size is asked for, and not only an error.
+    /// Whether any target is a size, rather than only an error.
     pub fn is_sized(&self) -> bool {
         self.triangles > 0 || self.vertices > 0 || self.bytes.is_some()
     }
 
-    /// Whether a mesh of this size is small enough.
+    /// Whether a mesh of this size meets a target of size.
     #[inline]
     pub fn reached(&self, triangles: usize, vertices: usize) -> bool {
         triangles <= self.triangles

@@ -1,7 +1,7 @@
-//! Which collapses are legal: small rules that are asked one after the other, each counting what it refuses.
+//! Legality of collapses: small rules checked in order, each counting its refusals.
 //!
-//! Whatever the rules let through, the result stays a valid mesh (it is an image of the input's triangles). The rules
-//! decide whether it is a *good* one: same topology, no flipped triangles, seams and borders in place.
+//! Any collapse leaves a valid mesh (an image of the input's triangles). The rules decide whether the mesh is *good*:
+//! same topology, no flipped triangles, seams and borders in place.
 
 use crate::mesh::NONE;
 
@@ -12,86 +12,86 @@ use super::patch::{Facet, Patch, quality};
 use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 
-/// A collapse that an oracle is asked about.
+/// A collapse submitted to an oracle.
 #[derive(Debug, Clone, Copy)]
 pub struct Collapse<'a> {
-    /// Who is merged into whom.
+    /// The lost and the kept point.
     pub pair: Pair,
-    /// Where the merged point would lie, inner frame.
+    /// Position of the merged point, inner frame.
     pub position: [f32; 3],
-    /// The triangles that would change, before and after.
+    /// The triangles changed by the collapse, before and after.
     pub patch: &'a Patch,
 }
 
 impl Collapse<'_> {
-    /// Whether the kept point stays where it is.
+    /// Whether the kept point does not move.
     pub fn keeps_position(&self, surface: &WorkingSurface) -> bool {
         surface.position(self.pair.kept) == self.position
     }
 }
 
-/// What an oracle looks at besides the surface. Where a point has many triangles, the whole patch is gathered only for
-/// candidates that nothing cheaper refuses.
+/// Data read by an oracle besides the surface. Around points with many triangles, the whole patch is gathered only for
+/// candidates allowed by the rules that read less.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reads {
-    /// The pair and the position alone.
+    /// Only the pair and the position.
     Pair,
-    /// The patch's facets, each by itself: a facet that is refused alone is refused among others.
+    /// The patch's facets, each independently: a facet refused alone is refused in any patch.
     Facets,
     /// The patch as a whole.
     #[default]
     Patch,
 }
 
-/// A rule that says which collapses are legal.
+/// A rule deciding which collapses are legal.
 pub trait Oracle: Send + Sync {
-    /// The name under which refusals are counted.
+    /// Name under which refusals are counted.
     fn name(&self) -> &str;
 
-    /// Whether the collapse may be done.
+    /// Whether the collapse is legal.
     fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool;
 
-    /// What the rule looks at. Default: the whole patch, which is always right.
+    /// The data read by the rule. Default: the whole patch, which is always correct.
     fn reads(&self) -> Reads {
         Reads::Patch
     }
 
-    /// How many times dearer a candidate counts that this rule refuses: it waits until collapses of that cost are
-    /// due, and is done then. At least 1. Default `None`: what is refused is never done.
+    /// Cost factor of candidates refused by this rule, at least 1: the candidate is done once collapses of the increased
+    /// cost are due. Default `None`: a refused candidate is never done.
     fn surcharge(&self) -> Option<f32> {
         None
     }
 
-    /// Called before the first collapse on a surface. Whether the rule wants to be told of changes by
+    /// Called before the first collapse on a surface. Returns whether the rule wants calls of
     /// [`changed`](Oracle::changed). Default: no.
     fn begin(&mut self, surface: &WorkingSurface) -> bool {
         let _ = surface;
         false
     }
 
-    /// Called after each step, where [`begin`](Oracle::begin) asked for it: triangles `dead` are gone, and those around
-    /// `kept` may have changed (`None` where a part vanished and nothing else changed).
+    /// Called after each step if [`begin`](Oracle::begin) returned true. The triangles `dead` are removed, and the
+    /// triangles around `kept` may have changed (`None` if a part vanished and nothing else changed).
     fn changed(&mut self, surface: &WorkingSurface, kept: Option<u32>, dead: &[u32]) {
         let _ = (surface, kept, dead);
     }
 
     /// Whether a part of the surface may vanish as a whole ([`Parts::Vanish`](super::Parts::Vanish)). `points` are all
-    /// its points. Default: yes.
+    /// points of the part. Default: yes.
     fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         let _ = (surface, points);
         true
     }
 
-    /// Whether the rule keeps the topology. Such rules do not hold parts that were joined
-    /// ([`join_distance`](super::Simplifier::join_distance)), which are not what they were, and give before a size is missed
-    /// ([`Permissive`](super::Permissive)). Default: no.
+    /// Whether the rule keeps the topology. Such rules do not apply to joined parts
+    /// ([`join_distance`](super::Simplifier::join_distance)), whose topology has changed anyway, and they give before a
+    /// size is missed ([`Permissive`](super::Permissive)). Default: no.
     fn keeps_topology(&self) -> bool {
         false
     }
 }
 
-/// The rules that a simplification starts with, in the order they are asked: cheap ones first.
+/// Returns the default rules, in the order of their checks: cheap rules first.
 pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
     vec![
         Box::new(Locks),
@@ -106,7 +106,7 @@ pub fn default_oracles() -> Vec<Box<dyn Oracle>> {
     ]
 }
 
-/// Locked vertices neither move nor go.
+/// Locked vertices neither move nor vanish.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Locks;
 
@@ -129,14 +129,14 @@ impl Oracle for Locks {
     }
 }
 
-/// What open borders may do.
+/// Collapses allowed at open borders.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Borders {
-    /// A border point moves along its border only, so borders are simplified but never leave themselves.
+    /// A border point moves only along its border: borders are simplified but never leave themselves.
     #[default]
     Slide,
-    /// Border points stay as they are: for tiles that must fit their neighbours.
+    /// Border points stay unchanged: for tiles that must fit their neighbours.
     Locked,
 }
 
@@ -163,16 +163,16 @@ impl Oracle for Borders {
     }
 }
 
-/// What non-manifold edges and vertices may do.
+/// Collapses allowed at non-manifold edges and vertices.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NonManifold {
-    /// Curves of non-manifold edges are simplified along themselves, as borders are: a point on one moves along it only.
-    /// Points where several such curves meet, or one ends, stay. A point where fans meet that have no edge in common (a
-    /// pinch) moves with all its fans to a neighbour that is no such point and lies on no border.
+    /// Curves of non-manifold edges are simplified along themselves, as borders are: a point on a curve moves only along
+    /// the curve. Points at the ends of curves or where several curves meet stay. A pinch (a point where fans without a
+    /// common edge meet) moves with all its fans to a neighbour that is neither non-manifold nor on a border.
     #[default]
     Slide,
-    /// Non-manifold points stay as they are.
+    /// Non-manifold points stay unchanged.
     Locked,
 }
 
@@ -200,7 +200,7 @@ impl Oracle for NonManifold {
     }
 }
 
-/// Borders between materials move along themselves only.
+/// Borders between materials move only along themselves.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Materials;
 
@@ -218,7 +218,8 @@ impl Oracle for Materials {
     }
 }
 
-/// Seams and creases move along themselves only, and every wedge has exactly one to go to.
+/// Seams move only along themselves, and every wedge has exactly one wedge to merge into. Creases made by normals are
+/// seams.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Seams;
 
@@ -232,7 +233,7 @@ impl Oracle for Seams {
             return true;
         }
         if !surface.holds(kind::SEAM) {
-            // Wedges without a partner are chosen anew; but no two of the kept point become one for it.
+            // Wedges without a partner are chosen anew, but no two wedges of the kept point may become a single wedge.
             let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
             return either & kind::WEDGES == 0 || !WedgeMap::new(surface, collapse.pair).joins_kept();
         }
@@ -246,8 +247,8 @@ impl Oracle for Seams {
     }
 }
 
-/// No triangle changes its orientation in texture space: what was mirrored stays mirrored, nothing else becomes it. Asked
-/// for every set of texture coordinates, with the wedges that the collapse would give to each triangle.
+/// No triangle changes its orientation in texture space: mirrored triangles stay mirrored, and no other triangle becomes
+/// mirrored. Checked for every set of texture coordinates, with the wedges given to each triangle by the collapse.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct UvOrientation;
 
@@ -261,7 +262,7 @@ impl Oracle for UvOrientation {
     }
 }
 
-/// Whether a point with feature edges of the kind `bit` goes along one of exactly two, to a point on the same.
+/// Whether a point with feature edges of the kind `bit` moves along one of exactly two, to a point with equal features.
 #[inline]
 fn stays_on_curve(surface: &WorkingSurface, collapse: &Collapse, bit: u16, slide: bool) -> bool {
     let either = surface.kind(collapse.pair.lost) | surface.kind(collapse.pair.kept);
@@ -285,7 +286,7 @@ fn slides_along_curve(surface: &WorkingSurface, collapse: &Collapse, bit: u16, s
             || slides(Pair { lost: collapse.pair.kept, kept: collapse.pair.lost }))
 }
 
-/// Whether one end is a point of several fans and nothing else, and the other is free to become it.
+/// Whether one end is a pinch without other features, and the other end is free to become a pinch.
 #[cold]
 fn moves_pinch(surface: &WorkingSurface, collapse: &Collapse) -> bool {
     let is_pinch = |point: u32| {
@@ -299,11 +300,11 @@ fn moves_pinch(surface: &WorkingSurface, collapse: &Collapse) -> bool {
     is_pinch(lost) && is_free(kept) || !collapse.keeps_position(surface) && is_pinch(kept) && is_free(lost)
 }
 
-/// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1 in the reading that the only
-/// points adjacent to both ends are the third corners of the edge's own triangles).
+/// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1, read as: the only points adjacent to
+/// both ends are the third corners of the edge's own triangles).
 ///
-/// A pair without an edge (see [`Simplifier::join_distance`](super::Simplifier::join_distance)) is allowed where the
-/// two points have no neighbour in common: it joins two parts on purpose.
+/// A pair without an edge (see [`Simplifier::join_distance`](super::Simplifier::join_distance)) is allowed if the two
+/// points have no common neighbour: it joins two parts on purpose.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LinkCondition;
 
@@ -323,7 +324,7 @@ impl Oracle for LinkCondition {
         if !collapse.patch.thirds_differ()
             || opposite.len() > 1 && surface.is_border(lost) && surface.is_border(kept)
         {
-            // The second: two borders would meet in a point.
+            // The second condition: two borders would meet in a point.
             return false;
         }
         if (surface.kind(lost) | surface.kind(kept)) & kind::NON_MANIFOLD != 0
@@ -334,7 +335,7 @@ impl Oracle for LinkCondition {
         let near = Neighbourhood::new(surface, kept);
         let (mut meets, mut between_thirds) = (false, false);
         for facet in collapse.patch.facets_of_lost() {
-            // Thirds are neighbours of both ends, and no other point may be.
+            // Thirds are neighbours of both ends. No other point may be.
             let [a, b] = facet.others;
             let (third_a, third_b) = (collapse.patch.has_third(a), collapse.patch.has_third(b));
             meets |= (!third_a & near.contains(a)) | (!third_b & near.contains(b));
@@ -343,7 +344,7 @@ impl Oracle for LinkCondition {
         if meets {
             return false;
         }
-        // Both ends see the edge ab: if `kept` has a triangle there too, the two would coincide.
+        // Both ends have the edge ab: if `kept` also has a triangle there, the two triangles would coincide.
         let coincides = |facet: &Facet| {
             let [a, b] = facet.others;
             collapse.patch.has_third(a) && collapse.patch.has_third(b) && has_triangle(surface, kept, a, b)
@@ -351,14 +352,14 @@ impl Oracle for LinkCondition {
         if between_thirds && collapse.patch.facets_of_lost().iter().any(coincides) {
             return false;
         }
-        // Where nothing of the star survives, every edge left behind must hang on another triangle.
+        // If nothing of the star survives, every remaining edge must belong to another triangle.
         !collapse.patch.facets_of_lost().is_empty()
             || opposite.iter().all(|&third| is_shared_edge(surface, kept, third))
     }
 }
 
-/// Whether a third corner is joined to both ends by borders or non-manifold edges: two curves would become one, and the
-/// sheet between them would be gone.
+/// Whether a third corner is joined to both ends by borders or non-manifold edges: the collapse would merge two curves
+/// and remove the sheet between them.
 #[cold]
 fn joins_curves(surface: &WorkingSurface, pair: Pair, third: u32) -> bool {
     let is_curve = |end: u32| {
@@ -367,9 +368,9 @@ fn joins_curves(surface: &WorkingSurface, pair: Pair, third: u32) -> bool {
     is_curve(pair.lost) && is_curve(pair.kept)
 }
 
-/// Whether at least two triangles hang on an edge.
+/// Whether at least two triangles share an edge.
 fn is_shared_edge(surface: &WorkingSurface, u: u32, v: u32) -> bool {
-    // Asked from the side with fewer triangles: the other may be a hub.
+    // Searches the side with fewer triangles: the other may be a hub.
     let (from, to) = if surface.valence(u) <= surface.valence(v) { (u, v) } else { (v, u) };
     surface.star(from).filter(|corner| corner.others.contains(&to)).nth(1).is_some()
 }
@@ -381,8 +382,8 @@ fn has_triangle(surface: &WorkingSurface, point: u32, a: u32, b: u32) -> bool {
     surface.star(from).any(|corner| corner.others == [p, q] || corner.others == [q, p])
 }
 
-/// Tells neighbours of a point: from a short list of fixed length (which compares in a few vector instructions), or
-/// for a hub from the other's side.
+/// Tests for neighbours of a point: in a short list of fixed length (compared in a few vector instructions), or for a hub
+/// in the star with fewer triangles.
 struct Neighbourhood<'a> {
     surface: &'a WorkingSurface,
     point: u32,
@@ -432,7 +433,7 @@ impl Default for NormalFlip {
 }
 
 impl NormalFlip {
-    /// Normals may turn by at most this many degrees, 0 to 180 (clamped), in one collapse.
+    /// Allows normals to turn by at most `angle` degrees in a collapse, 0 to 180 (clamped; NaN: 78).
     pub fn degrees(angle: f32) -> Self {
         let angle = if angle.is_nan() { 78.0 } else { angle.clamp(0.0, 180.0) };
         Self { cos: (f64::from(angle).to_radians().cos()) as f32 }
@@ -459,21 +460,21 @@ impl Oracle for NormalFlip {
     }
 }
 
-/// Keeps collapses that make needles waiting: the thinnest new triangle should reach `least`, or at least the quality of
-/// the thinnest triangle that it and its like replace (needles in, needles out).
+/// Delays collapses making needles: the thinnest new triangle should reach `least`, or the quality of the thinnest of the
+/// triangles replaced or removed (needles in, needles out).
 ///
 /// The measure is `4 sqrt(3) area / (sum of squared sides)`: 1 for an equilateral triangle, 0 for one without area.
 ///
-/// A thin triangle is no error: on a long box only thin triangles are exact. So the rule is no end of a simplification.
-/// What it refuses counts as 64 times dearer (about 8 times the distance), and is done once collapses of that cost
-/// are due; the report counts how often it was put off. [`strict`](TriangleQuality::strict) makes it a rule like the others.
+/// A thin triangle is no error: on a long box only thin triangles are exact. So this rule does not end a simplification.
+/// A refused collapse counts as 64 times dearer (about 8 times the distance), and is done once collapses of this cost are
+/// due. The report counts how often it was put off. [`strict`](TriangleQuality::strict) makes the rule absolute.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleQuality {
     least: f32,
     strict: bool,
 }
 
-/// How many times dearer a collapse counts that makes a needle.
+/// Cost factor of a collapse making a needle.
 const NEEDLE_SURCHARGE: f32 = 64.0;
 
 impl Default for TriangleQuality {
@@ -484,13 +485,13 @@ impl Default for TriangleQuality {
 }
 
 impl TriangleQuality {
-    /// New triangles should reach this quality, 0 (anything) to 1 (equilateral only).
+    /// Asks for new triangles of at least this quality, 0 (anything) to 1 (equilateral only).
     pub fn at_least(least: f32) -> Self {
         Self { least, strict: false }
     }
 
-    /// The same, but what it refuses is never done: for meshes that must not get thinner triangles than they have, at the
-    /// price of simplifications that miss their target.
+    /// Makes the rule absolute: a refused collapse is never done. For meshes that must not get thinner triangles than
+    /// they have; simplifications may miss their target.
     #[must_use]
     pub fn strict(self) -> Self {
         Self { strict: true, ..self }

@@ -1,30 +1,31 @@
-//! Vertex pairs that no edge joins: points of different parts closer than a distance, so that separate parts may grow
+//! Vertex pairs not joined by an edge: points of different parts closer than a distance, so that separate parts may grow
 //! together (TOM 4.1).
 //!
-//! Every point keeps the nearest few points of other parts. A merge looks anew for what lies near the merged point, and hands
-//! on the pairs of both, so pairs come up as parts draw near, go with the points that they were found for, and none is left of
-//! parts that have become one. Where points lay in the input decides what is near.
+//! Every point keeps the nearest few points of other parts. A merge searches again around the merged point and hands on
+//! the pairs of both points. So pairs appear as parts draw near, follow the points they were found for, and disappear
+//! once their parts are joined. Distances are measured to the points' positions in the input.
 
 use crate::mesh::NONE;
 
 use super::parts::Parts;
 use super::surface::WorkingSurface;
 
-/// Pairs kept per point, the nearest.
+/// Most pairs kept per point; the nearest are kept.
 const MOST: usize = 8;
 
-/// The points that each point may be joined with.
+/// The possible partners of each point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Partners {
     /// Inner units.
     distance: f32,
-    /// Per point, nearest first; empty where nothing may be joined.
+    /// Per point, nearest first; empty if nothing may be joined.
     nearest: Vec<[u32; MOST]>,
     found: Vec<(f32, u32)>,
 }
 
 impl Partners {
-    /// Of points at most `distance` (inner units) apart; none where it is 0. O(n log n) expected, whatever the distance.
+    /// Finds pairs of points at most `distance` (inner units) apart; no pairs if `distance` is 0. O(n log n) expected,
+    /// for any distance.
     pub fn new(surface: &WorkingSurface, parts: Option<&mut Parts>, distance: f32) -> Self {
         let Some(parts) = parts.filter(|_| distance > 0.0) else { return Self::default() };
         let nearest = vec![[NONE; MOST]; surface.point_count()];
@@ -33,16 +34,16 @@ impl Partners {
         partners
     }
 
-    /// Whether no point has a partner.
+    /// Whether pairs are switched off.
     pub fn is_empty(&self) -> bool {
         self.nearest.is_empty()
     }
 
-    /// Looks for the partners of a point anew: what lies near it now, and then those that it had, and those of a point that
-    /// was merged into it.
+    /// Updates the partners of a point: first the points near it now, then its former partners and the partners of a
+    /// point `merged` into it.
     pub fn look(&mut self, surface: &WorkingSurface, parts: &mut Parts, point: u32, merged: Option<u32>) {
         let own = parts.of(point);
-        // Several may have become one point since.
+        // Several of the found points may have been merged since.
         parts.nearest(surface.at(point), own, (2 * MOST, self.distance), &mut self.found);
         let had = [Some(point), merged].into_iter().flatten().flat_map(|p| self.nearest[p as usize]);
         let mut nearest = [NONE; MOST];
@@ -58,14 +59,14 @@ impl Partners {
         self.nearest[point as usize] = nearest;
     }
 
-    /// Looks for the partners of all points anew.
+    /// Updates the partners of all points.
     pub fn look_all(&mut self, surface: &WorkingSurface, parts: &mut Parts) {
         for point in (0..surface.point_count() as u32).filter(|&p| surface.valence(p) > 0) {
             self.look(surface, parts, point, None);
         }
     }
 
-    /// Calls `visit` with what the partners of a point have become, where these are of other parts.
+    /// Calls `visit` with the current points of a point's partners, as far as they are of other parts.
     #[inline]
     pub fn for_each(
         &self,

@@ -1,8 +1,8 @@
-//! How far input points have travelled: the error that costs nothing to know.
+//! Distance travelled by input points: an error known at no cost.
 //!
-//! Every point carries the largest distance of an input point that was merged into it. The map that takes each input
-//! triangle to its image is linear on it, so no point of the input moves further than the farthest of its corners: the
-//! distance travelled bounds the distance between input and level, in both directions, and how far a texture slides.
+//! Every point carries the largest distance of an input point merged into it. The map from each input triangle to its
+//! image is linear, so no point of the triangle moves further than the farthest of its corners. So the distance travelled
+//! bounds the distance between input and level, in both directions, and the sliding of textures.
 
 use glam::Vec3;
 
@@ -20,26 +20,26 @@ impl ParametricError {
         Self { reach: vec![0.0; surface.point_count()] }
     }
 
-    /// The reach of the merged point, by the triangle inequality; rounded up.
+    /// Returns the reach of the merged point, by the triangle inequality; rounded up.
     pub fn measure(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let of = |point: u32| self.reach[point as usize] + surface.at(point).distance(x) * (1.0 + 1e-6);
         of(pair.lost).max(of(pair.kept))
     }
 
-    /// Takes the merge down.
+    /// Records a merge; returns the new reach.
     pub fn merge(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
         let reach = self.measure(surface, pair, x);
         self.reach[pair.kept as usize] = reach;
         reach
     }
 
-    /// The reach of `into` where points vanish that are taken for it.
+    /// Returns the reach of `into` if `points` vanish and are merged into it.
     pub fn measure_vanishing(&self, surface: &WorkingSurface, points: &[u32], into: u32) -> f32 {
         let pairs = points.iter().map(|&lost| Pair { lost, kept: into });
         pairs.map(|pair| self.measure(surface, pair, surface.at(into))).fold(0.0, f32::max)
     }
 
-    /// Takes that down.
+    /// Records that `points` vanish into `into`; returns the new reach.
     pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32], into: u32) -> f32 {
         let reach = self.measure_vanishing(surface, points, into);
         self.reach[into as usize] = reach;

@@ -1,14 +1,14 @@
-//! The parts of a surface: points joined by triangles, what each part is like, and what has become of it.
+//! The parts of a surface (points joined by triangles): the shape of each part, and the part it was joined into.
 //!
 //! ```text
 //!     part      a leaf, a pebble, a strut ...: its points and triangles, area, size and direction, all of the input
 //!     debt      what vanished parts cost that now count as the part beside them
 //! ```
 //!
-//! A part that simplification has brought down to a remnant goes as a whole (`engine/vanish.rs`). What that costs is
-//! measured as other costs are, by an integral of squared distance over area: the part's area times the square of its
-//! size, or of the distance of its middle from what lies nearest, whichever is larger; and as much again for every part
-//! that vanished beside it before, so that a forest thins out evenly.
+//! A part simplified down to a remnant vanishes as a whole (`engine/vanish.rs`). The loss is measured like other costs,
+//! as an integral of squared distance over area: `area * max(spread, distance^2) + debt`, where `spread` is the mean
+//! squared distance of the part from its centre, `distance` the distance of its centre from the nearest remaining
+//! surface, and `debt` the losses of parts that vanished beside it before. The debt thins out a forest evenly.
 
 use glam::Vec3;
 
@@ -18,32 +18,32 @@ use super::metric::Pair;
 use super::near::Near;
 use super::surface::WorkingSurface;
 
-/// The least cosine between directions, and the largest ratio of areas, of parts that are kin.
+/// Least cosine between the directions of kindred parts, and largest ratio of their areas.
 const KIN_COSINE: f32 = 0.5;
 const KIN_AREA: f32 = 4.0;
-/// A part whose area vectors add up to less than this share of its area has no direction.
+/// A part has no direction if its area vectors add up to at most this share of its area.
 const NO_DIRECTION: f32 = 0.2;
 
-/// What a part is like in the input, inner units.
+/// Shape of a part in the input, inner units.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shape {
     pub area: f32,
     pub centre: Vec3,
     /// Mean squared distance of the surface from its centre.
     pub spread: f32,
-    /// Sum of area vectors.
+    /// Sum of the area vectors.
     pub direction: Vec3,
-    /// Of its first triangle.
+    /// Material of the first triangle.
     pub material: u32,
 }
 
 impl Shape {
-    /// Whether it faces one way more than the others: a card, and no pebble.
+    /// Whether the part has a main direction: a card rather than a pebble.
     pub fn is_flat(&self) -> bool {
         self.direction.length() > NO_DIRECTION * self.area
     }
 
-    /// Whether two parts look alike: of one material, and near in size and direction.
+    /// Whether two parts look alike: equal material, similar size and direction.
     pub fn is_kin(&self, other: &Self) -> bool {
         let (small, large) = (self.area.min(other.area), self.area.max(other.area));
         let along = match (self.is_flat(), other.is_flat()) {
@@ -56,7 +56,7 @@ impl Shape {
         self.material == other.material && large <= KIN_AREA * small && along
     }
 
-    /// The shape of two parts together.
+    /// Returns the shape of two parts together.
     fn join(&self, other: &Self) -> Self {
         let area = self.area + other.area;
         let share = if area > 0.0 { other.area / area } else { 0.5 };
@@ -75,34 +75,34 @@ impl Shape {
 /// The parts of a surface.
 #[derive(Debug, Clone)]
 pub(super) struct Parts {
-    /// Per point the part that it was in at first; `NONE` where no triangle used it.
+    /// Per point its part in the input; `NONE` if no triangle uses the point.
     first: Vec<u32>,
-    /// Per input triangle its part; `NONE` where it was dead from the start.
+    /// Per input triangle its part; `NONE` if `surface.triangle` is `None` at the start.
     of_triangle: Vec<u32>,
-    /// Per part what it was joined into, or itself; and the next part of the chain of those joined, its end and how many
-    /// points it has.
+    /// Union-find with chains: per part the part it was joined into (or itself), the next part in the chain of joined
+    /// parts, the last part of the chain, and the number of points.
     joined: Vec<u32>,
     next: Vec<u32>,
     last: Vec<u32>,
     size: Vec<u32>,
-    /// Where each part's points start; one more than parts.
+    /// Start of each part's points; length parts + 1.
     start: Vec<u32>,
     points: Vec<u32>,
-    /// Triangles left.
+    /// Per part its remaining triangles.
     live: Vec<u32>,
-    /// Of what each part stands for; and of each part as it was at first.
+    /// `shapes`: per part the shape of everything it stands for. `looks`: per part its shape in the input.
     shapes: Vec<Shape>,
     looks: Vec<Shape>,
-    /// Area times squared distance of what vanished beside each part.
+    /// Per part the losses of parts that vanished beside it: area times squared distance.
     debt: Vec<f32>,
-    /// Of all parts at first.
+    /// Area of all parts in the input.
     area: f32,
-    /// Whether a part was joined with others.
+    /// Whether a part was joined with other parts.
     is_joined: Vec<bool>,
     any_joined: bool,
-    /// Whether a part may not vanish, as far as was tried.
+    /// Whether a part was found unable to vanish.
     stays: Vec<bool>,
-    /// Per point what it was merged into, or itself.
+    /// Per point the point it was merged into, or itself.
     into: Vec<u32>,
     near: Near,
     left: usize,
@@ -110,13 +110,13 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The parts of a surface; `None` where there are fewer than two. O(n), and O(n log n) where there are more.
+    /// Finds the parts of a surface; `None` if there are fewer than two. O(n); with two or more parts O(n log n).
     pub fn new(surface: &WorkingSurface) -> Option<Self> {
         let points = surface.point_count();
         let (first, count) = components(surface)?;
         let mut live = vec![0u32; count];
         let mut shapes = vec![Shape { material: NONE, ..Shape::default() }; count];
-        // Areas and centres first; then how far the surface is spread about them.
+        // First areas and centres, then the spread of the surface about the centres.
         let triangles = || {
             (0..surface.triangle_count() as u32).filter_map(|t| {
                 let corners = surface.triangle(t)?;
@@ -151,7 +151,7 @@ impl Parts {
             fill[part as usize] += 1;
         }
         for part in 0..count {
-            // Without an area: the middle of its points.
+            // Without an area: the mean of the part's points.
             let points = &list[start[part] as usize..start[part + 1] as usize];
             let shape = &mut shapes[part];
             if !shape.centre.is_finite() {
@@ -163,7 +163,7 @@ impl Parts {
             let shape = &mut shapes[part];
             let squares: f32 = corners.iter().map(|p| p.distance_squared(shape.centre)).sum();
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            // The mean over a triangle of the squared distance, by its corners and its middle.
+            // The mean squared distance over a triangle, from its corners and its middle.
             let mean = (squares + 9.0 * middle.distance_squared(shape.centre)) / 12.0;
             shape.spread += if shape.area > 0.0 { mean * vector.length() / shape.area } else { 0.0 };
         }
@@ -196,85 +196,86 @@ impl Parts {
         })
     }
 
-    /// Number of parts at first.
+    /// Number of parts in the input.
     pub fn count(&self) -> usize {
         self.joined.len()
     }
 
-    /// Parts that have triangles left, joined ones counted once.
+    /// Number of parts with remaining triangles; joined parts count once.
     pub fn left(&self) -> usize {
         self.left
     }
 
-    /// What a part was joined into.
+    /// Returns the part that `part` was joined into, or `part` itself.
     pub fn root(&self, part: u32) -> u32 {
         root(&self.joined, part)
     }
 
-    /// The part of a point that a triangle used at first.
+    /// Returns the part of a point. The point must have a triangle in the input.
     pub fn of(&self, point: u32) -> u32 {
         self.root(self.first[point as usize])
     }
 
-    /// Triangles left of a part.
+    /// Number of remaining triangles of a part.
     pub fn live(&self, part: u32) -> u32 {
         self.live[part as usize]
     }
 
-    /// One of the points that a part had at first.
+    /// Returns a point of the part in the input.
     pub fn first_point(&self, part: u32) -> u32 {
         self.points[self.start[part as usize] as usize]
     }
 
-    /// The area of all parts as they were at first.
+    /// Area of all parts in the input.
     pub fn area(&self) -> f32 {
         self.area
     }
 
-    /// What a part is like.
+    /// Shape of a part, including parts joined into it.
     pub fn shape(&self, part: u32) -> &Shape {
         &self.shapes[part as usize]
     }
 
-    /// Whether two parts were alike at first.
+    /// Whether two parts look alike, by their shapes in the input.
     pub fn are_kin(&self, a: u32, b: u32) -> bool {
         self.looks[a as usize].is_kin(&self.looks[b as usize])
     }
 
-    /// Whether a part was joined with others.
+    /// Whether a part was joined with other parts.
     pub fn is_joined(&self, part: u32) -> bool {
         self.is_joined[part as usize]
     }
 
-    /// Whether either point of a pair is of a part that was joined with others.
+    /// Whether either point of a pair belongs to a part joined with other parts.
     pub fn has_joined(&self, pair: Pair) -> bool {
         let joined = |point: u32| self.first[point as usize] != NONE && self.is_joined(self.of(point));
         self.any_joined && (joined(pair.lost) || joined(pair.kept))
     }
 
-    /// Whether a part may vanish: there are others, and nothing was found to forbid it.
+    /// Whether a part may vanish: another part remains, and the part was not found unable to vanish.
     pub fn may_vanish(&self, part: u32) -> bool {
         self.left > 1 && !self.stays[part as usize]
     }
 
-    /// Lets a part stay.
+    /// Marks a part as unable to vanish.
     pub fn keep(&mut self, part: u32) {
         self.stays[part as usize] = true;
     }
 
-    /// The integral of squared distance that a part's going adds, at least: by its size alone.
+    /// Lower bound of the loss by vanishing, from the part's size alone: `area * spread + debt`.
     pub fn least_loss(&self, part: u32) -> f32 {
         let shape = self.shape(part);
         shape.area * shape.spread + self.debt[part as usize]
     }
 
-    /// The same where what is left lies so far from its middle.
+    /// Loss by vanishing, if the squared distance of the part's centre from the remaining surface is `distance_squared`:
+    /// `area * max(spread, distance_squared) + debt`.
     pub fn loss(&self, part: u32, distance_squared: f32) -> f32 {
         let shape = self.shape(part);
         shape.area * shape.spread.max(distance_squared) + self.debt[part as usize]
     }
 
-    /// Appends the points that were in a part at first, merged ones too.
+    /// Appends the input points of a part, including merged points.
     pub fn points(&self, part: u32, list: &mut Vec<u32>) {
         let mut at = part;
         while at != NONE {
@@ -284,7 +285,7 @@ impl Parts {
         }
     }
 
-    /// What a point was merged into.
+    /// Returns the point that `point` was merged into, shortening the path.
     pub fn current(&mut self, mut point: u32) -> u32 {
         while self.into[point as usize] != point {
             let next = self.into[self.into[point as usize] as usize];
@@ -294,7 +295,7 @@ impl Parts {
         point
     }
 
-    /// The same, for when nothing may change: as many steps as merges lie between.
+    /// Returns the point that `point` was merged into, without shortening the path: as many steps as merges lie between.
     pub fn now(&self, mut point: u32) -> u32 {
         while self.into[point as usize] != point {
             point = self.into[point as usize];
@@ -302,7 +303,7 @@ impl Parts {
         point
     }
 
-    /// Takes down that `lost` was merged into `kept`, and that so many triangles died. Whether two parts were joined.
+    /// Records that `lost` was merged into `kept` and that `died` triangles died. Returns whether two parts were joined.
     pub fn merge(&mut self, lost: u32, kept: u32, died: usize) -> bool {
         self.into[lost as usize] = kept;
         if self.first[lost as usize] == NONE || self.first[kept as usize] == NONE {
@@ -326,8 +327,8 @@ impl Parts {
         a != b
     }
 
-    /// Takes down that the point `kept` of a part that vanished takes the place of `lost` in another, which stands for both
-    /// parts from now on.
+    /// Records that the point `kept` of a vanished part takes the place of `lost` in another part, which stands for both
+    /// parts from now on and keeps its looks.
     pub fn absorb(&mut self, lost: u32, kept: u32) {
         self.into[lost as usize] = kept;
         let (a, b) = (self.of(lost), self.of(kept));
@@ -338,7 +339,8 @@ impl Parts {
         }
     }
 
-    /// Joins two parts; the one of more points keeps its number.
+    /// Joins two parts and returns the number of the joined part: the number of the part with more points, or of equal
+    /// parts the lower number.
     fn join(&mut self, a: u32, b: u32) -> u32 {
         let size = |part: u32| self.size[part as usize];
         let (to, from) = if (size(a), b) >= (size(b), a) { (a, b) } else { (b, a) };
@@ -356,7 +358,8 @@ impl Parts {
         to
     }
 
-    /// Takes down that a part vanished beside the part of `into`. `points` are all that it had, merged ones too.
+    /// Records that a part vanished beside the part of `into`, and adds `loss` to the debt there. `points` are all input
+    /// points of the vanished part, including merged points.
     pub fn vanish(&mut self, part: u32, points: &[u32], into: u32, loss: f32) {
         for &point in points {
             self.near.remove(point);
@@ -367,14 +370,14 @@ impl Parts {
         self.debt[beside as usize] += loss;
     }
 
-    /// The points (as they were at first) nearest to `at` that are of other parts: see [`Near::nearest`].
+    /// Finds the points nearest to `at`, by input positions, that belong to other parts: see [`Near::nearest`].
     pub fn nearest(&mut self, at: Vec3, own: u32, most: (usize, f32), found: &mut Vec<(f32, u32)>) {
         let (first, joined) = (&self.first, &self.joined);
         let part = |point: u32| root(joined, first[point as usize]);
         self.near.nearest(at, own, most, part, |part| root(joined, part), found);
     }
 
-    /// How many parts of the input have no triangle left after `steps` steps; `ends` as in a sequence.
+    /// Number of input parts without triangles after `steps` steps; `ends` as in a sequence.
     pub fn removed(&self, ends: &[u32], steps: usize) -> usize {
         let mut has = vec![false; self.count()];
         for (&part, _) in self.of_triangle.iter().zip(ends).filter(|&(_, &end)| end as usize > steps) {
@@ -393,7 +396,7 @@ fn root(joined: &[u32], mut part: u32) -> u32 {
     part
 }
 
-/// Per point its part, numbered by first point, and how many parts; `None` where fewer than two.
+/// Returns the part of every point, numbered by first point, and the number of parts; `None` for fewer than two parts.
 fn components(surface: &WorkingSurface) -> Option<(Vec<u32>, usize)> {
     let mut parent: Vec<u32> = (0..surface.point_count() as u32).collect();
     fn find(parent: &mut [u32], mut point: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! The triangles that a collapse would change, gathered once and shared by oracles and error measurement.
+//! The triangles changed by a collapse, gathered once and shared by oracles and error measurement.
 //!
 //! ```text
 //!          w2                         w2
@@ -13,24 +13,25 @@ use glam::Vec3;
 use super::metric::Pair;
 use super::surface::{Corner, WorkingSurface};
 
-/// A surviving triangle of a patch. Corners are relative to the merged point's new position, which is its first.
+/// A surviving triangle of a patch. Its first corner is the merged point; corners are relative to the merged point's new
+/// position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facet {
     /// The triangle's number.
     pub triangle: u32,
-    /// Its two other corners.
+    /// The two corners other than the merged point.
     pub others: [u32; 2],
     pub(crate) a: Vec3,
     pub(crate) b: Vec3,
-    /// Normal of twice the area's length, before and after.
+    /// Normals before and after the collapse, as long as twice the area.
     pub(crate) before: Vec3,
     pub(crate) after: Vec3,
-    /// From the new position to the old one.
+    /// Old position minus new position.
     pub(crate) back: Vec3,
 }
 
 impl Facet {
-    /// A triangle as it is, seen from a point at `x`.
+    /// Makes the facet of an unchanged triangle, seen from a point at `x`.
     pub(crate) fn around(surface: &WorkingSurface, corner: Corner, x: Vec3) -> Self {
         let [a, b] = corner.others.map(|p| surface.at(p) - x);
         let normal = a.cross(b);
@@ -38,7 +39,7 @@ impl Facet {
         Self { triangle, others, a, b, before: normal, after: normal, back: Vec3::ZERO }
     }
 
-    /// A triangle whose first corner moves to `x`, from `back` relative to it.
+    /// Makes the facet of a triangle whose first corner moves to `x`; its old position is `back` relative to `x`.
     #[inline]
     fn moved(surface: &WorkingSurface, corner: Corner, x: Vec3, back: Vec3) -> Self {
         let Corner { triangle, others, .. } = corner;
@@ -46,7 +47,7 @@ impl Facet {
         Self { triangle, others, a, b, before: (a - back).cross(b - back), after: a.cross(b), back }
     }
 
-    /// Normals of twice the area's length, before and after the collapse.
+    /// Normals before and after the collapse, as long as twice the area.
     pub fn normals(&self) -> [[f32; 3]; 2] {
         [self.before.into(), self.after.into()]
     }
@@ -57,36 +58,36 @@ impl Facet {
         quality(self.after, self.a, self.b)
     }
 
-    /// The same before the collapse.
+    /// `4 sqrt(3) area / (sum of squared sides)` before the collapse: 1 for an equilateral triangle, 0 without area.
     #[inline]
     pub fn quality_before(&self) -> f32 {
         quality(self.before, self.a - self.back, self.b - self.back)
     }
 }
 
-/// Of a triangle with one corner at the origin.
+/// `4 sqrt(3) area / (sum of squared sides)` of a triangle with corners 0, `a` and `b`; `cross = a x b`.
 #[inline]
 pub(super) fn quality(cross: Vec3, a: Vec3, b: Vec3) -> f32 {
     let sides = a.length_squared() + b.length_squared() + (b - a).length_squared();
     if sides > 0.0 { 2.0 * 3f32.sqrt() * cross.length() / sides } else { 0.0 }
 }
 
-/// The patch of one candidate.
+/// The patch of a candidate.
 #[derive(Debug, Clone, Default)]
 pub struct Patch {
     facets: Vec<Facet>,
-    /// How many of the facets come from the lost point's star; the others are the kept point's.
+    /// Number of facets from the lost point's star; the other facets belong to the kept point.
     of_lost: usize,
     opposite: Vec<u32>,
-    /// The thirds in order where they are many, else empty.
+    /// The thirds in ascending order if there are many, otherwise empty.
     sorted_opposite: Vec<u32>,
 }
 
-/// Up to so many thirds are searched one by one.
+/// Up to this many thirds are searched one by one.
 const FEW_OPPOSITE: usize = 8;
 
 impl Patch {
-    /// Gathers the patch of merging `pair` at `x`. The kept point's triangles are part of it only where it moves.
+    /// Gathers the patch of merging `pair` at `x`. Includes the kept point's triangles only if it moves.
     pub(crate) fn gather(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         self.facets.clear();
         self.opposite.clear();
@@ -102,7 +103,7 @@ impl Patch {
         }
     }
 
-    /// Gathers at most so many facets of the lost point's star, spread over it, to ask whether any of them is refused.
+    /// Gathers at most `most` facets, spread over the lost point's star, to test whether any of them is refused.
     pub(crate) fn sample(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3, most: usize) {
         self.facets.clear();
         self.opposite.clear();
@@ -138,19 +139,19 @@ impl Patch {
         &self.facets
     }
 
-    /// Those around the lost point.
+    /// The surviving triangles around the lost point.
     #[inline]
     pub fn facets_of_lost(&self) -> &[Facet] {
         &self.facets[..self.of_lost]
     }
 
-    /// The third corners of the triangles that die: one per triangle on the edge, none where there is no edge.
+    /// The third corners of the removed triangles: one per triangle on the edge, none without an edge.
     #[inline]
     pub fn opposite(&self) -> &[u32] {
         &self.opposite
     }
 
-    /// Whether a point is one of [`Patch::opposite`]. O(log opposite vertices).
+    /// Whether a point is in [`Patch::opposite`]. O(log opposite vertices).
     #[inline]
     pub(crate) fn has_third(&self, point: u32) -> bool {
         match self.opposite[..] {
@@ -160,7 +161,7 @@ impl Patch {
         }
     }
 
-    /// Whether no point is a third twice. O(opposite vertices).
+    /// Whether all thirds are distinct. O(opposite vertices).
     #[inline]
     pub(crate) fn thirds_differ(&self) -> bool {
         match self.opposite[..] {

@@ -1,4 +1,4 @@
-//! What gives where a target would be missed: seams and creases first, then material borders, the topology last.
+//! Rules that give before a target is missed: seams and creases first, then material borders, the topology last.
 //!
 //! ```text
 //!     all hold                 down to the target, or until no legal collapse is left
@@ -7,12 +7,12 @@
 //!     the topology gives       holes close and sheets meet: rules that keep the topology are not asked any more
 //! ```
 //!
-//! The last legal collapses before nothing is left eat the shape: there is nowhere else to go. So what must give begins to
-//! do so earlier. A run that gets stuck is started over, and in it edges of that kind give from [`EARLY`] times as many
+//! The last legal collapses before a run gets stuck eat the shape, having nowhere else to go. So rules begin to give
+//! earlier: a run that gets stuck is started over, and edges of the blocking kind give from [`EARLY`] times as many
 //! triangles on.
 //!
-//! Points are merged, never vertices, so that nothing opens: not along a seam nor between materials, and what was closed
-//! stays closed. Locks and the sides of triangles in texture space hold in any case.
+//! Points are merged, never vertices, so nothing opens along a seam or between materials, and closed surfaces stay
+//! closed. Locks and the sides of triangles in texture space always hold.
 
 use super::classify::kind;
 use super::metric::Pair;
@@ -24,32 +24,32 @@ use super::wedge_map::WedgeMap;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Permissive {
-    /// They hold, come what may.
+    /// All hold in any case.
     Off,
-    /// They hold where a size that is asked for is reached so. Where it would be missed, they hold down to 2.5 times the
-    /// triangles at which no legal collapse would be left, and give from there: to find that number takes a run of its
-    /// own, for each kind that must give. The topology is the last of them: a torus has no fewer than 14 triangles while it
-    /// is one. Without a target of size, down to the base mesh or to an error, all hold.
+    /// All hold if the target size is reached so. If a size would be missed, all hold down to 2.5 times the triangles at
+    /// which no legal collapse would be left, and give from there. Finding this number takes a run of its own for each
+    /// kind that must give. The topology gives last: a torus has at least 14 triangles while it is a torus. Without a
+    /// target of size, down to the base mesh or to an error, all hold.
     #[default]
     Auto,
-    /// Seams and creases give from the start, at what it costs; material borders where nothing else is left, whether
-    /// or not a size is asked for; the topology only before a size is missed. For attributes to cost anything, use
+    /// Seams and creases give from the start, at their cost. Material borders give if nothing else is left, with or
+    /// without a target size. The topology gives only before a size is missed. For attributes to cost anything, use
     /// [`WithAttributes`](super::metric::WithAttributes).
     On,
 }
 
-/// Collapses by what was given up for them.
+/// Counts of collapses, by the rule given up for them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct GivenUp {
-    /// By which a point left its seam, or wedges of a seam were chosen anew.
+    /// A point left its seam, or wedges of a seam were chosen anew.
     pub seams: u64,
-    /// The same where normals alone make the seam.
+    /// A point left a seam made by normals alone, or wedges of such a seam were chosen anew.
     pub creases: u64,
-    /// By which a point left its border between materials.
+    /// A point left its border between materials.
     pub materials: u64,
-    /// That changed the topology: a hole closed, a handle was cut, two sheets met.
+    /// The topology changed: a hole closed, a handle was cut, two sheets met.
     pub topology: u64,
 }
 
@@ -67,11 +67,11 @@ impl GivenUp {
     }
 }
 
-/// How many times the triangles at which nothing legal is left are there when something begins to give. The levels before
-/// are those of a run in which all hold.
+/// Kinds begin to give at this multiple of the triangles of a stuck run. The levels before equal the levels of a run with
+/// all rules holding.
 const EARLY: f64 = 2.5;
 
-/// What may give, in this order.
+/// The kinds that may give, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Giving {
     Seams,
@@ -88,7 +88,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// The same with one kind giving early enough for a run that got stuck at so many triangles.
+    /// Returns the schedule with `giving` early enough for a run stuck at `stuck` triangles.
     pub fn with(mut self, giving: Giving, stuck: usize) -> Self {
         let at = match giving {
             Giving::Seams => &mut self.seams,
@@ -100,7 +100,7 @@ impl Schedule {
     }
 }
 
-/// What one collapse gives up, as bits.
+/// Rules given up by a collapse, as bits.
 pub(super) mod gives {
     pub const SEAM: u8 = 1;
     pub const CREASE: u8 = 2;
@@ -109,13 +109,13 @@ pub(super) mod gives {
 }
 
 impl WorkingSurface {
-    /// What merging `pair` gives up, the kept point staying where it is or not. O(valences).
+    /// Returns the rules given up by merging `pair`; `stays` if the kept point does not move. O(valences).
     pub(super) fn gives_up(&mut self, pair: Pair, stays: bool) -> u8 {
         let mut leaves = self.leaves_curve(pair.lost, pair.kept);
         if !stays {
             leaves |= self.leaves_curve(pair.kept, pair.lost);
         }
-        // What still holds was left along another curve of its kind, if at all.
+        // If a kind of curve still holds, the oracles allow leaving it only along another curve of the kind.
         let leaves = leaves & !self.held;
         let mut given = if leaves & kind::MATERIAL != 0 { gives::MATERIAL } else { 0 };
         let several = (self.kind(pair.lost) | self.kind(pair.kept)) & kind::WEDGES != 0;
@@ -129,7 +129,7 @@ impl WorkingSurface {
         given
     }
 
-    /// The kinds of curves that a point leaves by moving to another.
+    /// Returns the kinds of curves left by moving a point to another.
     fn leaves_curve(&mut self, from: u32, to: u32) -> u16 {
         let bits = self.kind_if_held(from) & (kind::FEATURE | kind::CURVE);
         let edge = self.edge_kind_if_held(from, to);
@@ -138,7 +138,7 @@ impl WorkingSurface {
         if slides || edge.is_none() { 0 } else { bits & kind::FEATURE }
     }
 
-    /// Whether seams meet a point, and whether creases do, made by normals alone. O(valence log valence).
+    /// Returns whether seams meet a point, and whether creases made by normals alone do, as bits. O(valence log valence).
     fn seams_at(&mut self, point: u32) -> u8 {
         let mut ends = std::mem::take(&mut self.scratch.ends);
         ends.clear();

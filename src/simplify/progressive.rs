@@ -8,12 +8,12 @@
 //!                          split                           places    of k, where the collapse moved it
 //! ```
 //!
-//! Hoppe, *Progressive Meshes* (1996); Southern, section 3.3. Where the paper finds the fan of `l` by its first and last
-//! face, which needs a manifold, the corners that move are listed, so any mesh will do. Positions are stored, not
-//! differences, so that nothing is lost to rounding. Placement may be any; a step may split several wedges at once.
+//! Hoppe, *Progressive Meshes* (1996); Southern, section 3.3. The paper finds the fan of `l` by its first and last
+//! face, which needs a manifold. Here the moving corners are listed, so any mesh works. Positions are stored, not
+//! differences: nothing is lost to rounding. Any placement is supported. A step may split several wedges at once.
 //!
-//! Slots are in order of refinement: a level is a prefix of the vertices and of the triangles. What lies beyond waits in
-//! the state in which it comes back, so a split writes the corners that move, and nothing else.
+//! Slots are in order of refinement: a level is a prefix of the vertices and of the triangles. Elements beyond the
+//! prefix wait in the state in which they come back, so a split writes the moving corners and the moved positions only.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -23,11 +23,11 @@ use crate::mesh::{Mesh, NONE};
 use super::collapse_forest::CollapseForest;
 use super::{CollapseSequence, Origin, SequenceError};
 
-/// A base mesh with the vertex splits that refine it to the input, and the level it is at.
+/// A base mesh, the vertex splits refining it to the input, and the current level.
 ///
-/// Holds everything it needs: positions of every level, but no attributes; carry those along by
-/// [`ProgressiveMesh::vertex_order`]. Levels are counted as in the sequence: after 0 steps it is the input.
-/// Serde keeps the level, and validates ([`ProgressiveMesh::validate`]).
+/// Holds the positions of every level, but no attributes: carry attributes along by [`ProgressiveMesh::vertex_order`].
+/// Levels are counted as in the sequence: after 0 steps the mesh is the input. Serde keeps the level, and validates
+/// ([`ProgressiveMesh::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::progressive_check::Parts"))]
@@ -36,14 +36,14 @@ pub struct ProgressiveMesh {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) vertex_order: Vec<u32>,
     pub(super) triangle_order: Vec<u32>,
-    /// Vertices, triangles and places after so many steps; one more than steps. Those of a step lie between the counts
-    /// after it and before it.
+    /// `x_after[k]`: number of vertices, triangles or places after `k` steps; length steps + 1. Step `k` owns the
+    /// elements `x_after[k + 1]..x_after[k]`.
     pub(super) vertices_after: Vec<u32>,
     pub(super) triangles_after: Vec<u32>,
     pub(super) places_after: Vec<u32>,
     /// `[k, l]` of all steps, `l` counting up from the base.
     pub(super) parted: Vec<[u32; 2]>,
-    /// Per `[k, l]` where its corners start; one more than those.
+    /// Start of each pair's corners; length pairs + 1.
     pub(super) corner_start: Vec<u32>,
     pub(super) corners: Vec<u32>,
     pub(super) places: Vec<Place>,
@@ -51,7 +51,7 @@ pub struct ProgressiveMesh {
     pub(super) steps: usize,
 }
 
-/// A slot that lies elsewhere before a step than after it.
+/// A slot moved by a step: its position before (`fine`) and after (`coarse`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Place {
@@ -60,25 +60,25 @@ pub(super) struct Place {
     pub coarse: [f32; 3],
 }
 
-/// One vertex split (Southern 3.3), the inverse of one step.
+/// A vertex split (Southern 3.3): the inverse of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct VertexSplit<'a> {
-    /// The slots that part, `[k, l]`: `k` stays and `l` comes. One pair per wedge; none where only positions change. `l`
-    /// counts up from the vertices before the split. A vertex that nothing uses comes from itself, `[l, l]`.
+    /// Pairs `[k, l]` of slots: `k` stays, `l` is added. A pair per split wedge; empty where only positions change. `l`
+    /// counts up from the number of vertices before the split. `[l, l]` adds a vertex used by no triangle.
     pub parted: &'a [[u32; 2]],
-    /// The first triangle that comes (the start face).
+    /// First triangle added (the start face).
     pub first_triangle: u32,
-    /// How many triangles come, two on a closed manifold.
+    /// Number of triangles added; 2 on a closed manifold.
     pub triangles: u32,
 }
 
 impl ProgressiveMesh {
-    /// Builds the splits from a mesh and any simplification of it; at the base mesh afterwards.
-    /// O((vertices + triangles) log vertices + corners that move).
+    /// Builds the splits from a mesh and any simplification of it. The result is at the base mesh.
+    /// O((vertices + triangles) log vertices + moved corners).
     ///
     /// # Errors
-    /// The sequence belongs to another mesh or does not hold together.
+    /// The sequence belongs to another mesh or is inconsistent, or more than `u32::MAX` corners move.
     pub fn new(mesh: &Mesh, sequence: &CollapseSequence) -> Result<Self, SequenceError> {
         let collapse_forest = CollapseForest::new(mesh, sequence)?;
         let mut slots = Slots::base(mesh, sequence, &collapse_forest);
@@ -115,7 +115,7 @@ impl ProgressiveMesh {
         self.vertices_after.len() - 1
     }
 
-    /// Whether the input is the base mesh.
+    /// Returns true if the input is the base mesh.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -125,33 +125,33 @@ impl ProgressiveMesh {
         self.steps
     }
 
-    /// Positions at the current level, object units, one per slot.
+    /// Positions at the current level, object units, per slot.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions[..self.vertices_after[self.steps] as usize]
     }
 
-    /// Triangles at the current level, indices of slots.
+    /// Triangles at the current level, as slots.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles[..self.triangles_after[self.steps] as usize]
     }
 
-    /// The input vertex in every slot at full resolution, a permutation: all input vertices, bit for bit.
+    /// Input vertex in each slot at full resolution: a permutation of the input vertices, bit for bit.
     pub fn vertex_order(&self) -> &[u32] {
         &self.vertex_order
     }
 
-    /// The input triangle at every place, a permutation.
+    /// Input triangle at each place: a permutation.
     pub fn triangle_order(&self) -> &[u32] {
         &self.triangle_order
     }
 
-    /// Steps done at the end of each batch, as in [`CollapseSequence::batches`]: going finer, a batch ends where the
-    /// steps left reach the number before it.
+    /// Steps done at the end of each batch, as in [`CollapseSequence::batches`]. Refining has undone batch `i` once
+    /// [`steps`](ProgressiveMesh::steps) is down to `batches[i - 1]` (0 for the first batch).
     pub fn batches(&self) -> &[u32] {
         &self.batches
     }
 
-    /// The split that undoes a step; `None` where there is no such step.
+    /// Returns the split undoing `step`; `None` where there is no such step.
     pub fn split(&self, step: usize) -> Option<VertexSplit<'_>> {
         (step < self.len()).then(|| VertexSplit {
             parted: &self.parted[self.parted_range(step)],
@@ -160,14 +160,15 @@ impl ProgressiveMesh {
         })
     }
 
-    /// Corners (three times the triangle and 0 to 2) that go from `k` to `l` in the split that undoes a step, for one of
-    /// its `parted` pairs; empty where there is no such pair.
+    /// Corners moved from `k` to `l` by the split undoing `step`, for a pair of its `parted`. A corner is
+    /// `3 * triangle + i`, `i` from 0 to 2. Empty where there is no such pair.
     pub fn moved_corners(&self, step: usize, pair: usize) -> &[u32] {
         let pairs = if step < self.len() { self.parted_range(step) } else { 0..0 };
         if pair < pairs.len() { &self.corners[self.corner_range(pairs.start + pair)] } else { &[] }
     }
 
-    /// Where slots lie before and after a step that moved them: `(slot, finer, coarser)`. Empty with endpoint placement.
+    /// Slots moved by a step: `(slot, finer, coarser)`, the positions before and after the step. With endpoint
+    /// placement only the first step moves slots: snapped vertices ([`CollapseSequence::snaps`]).
     pub fn moved_slots(&self, step: usize) -> impl Iterator<Item = (u32, [f32; 3], [f32; 3])> + '_ {
         let range = if step < self.len() { self.place_range(step) } else { 0..0 };
         self.places[range].iter().map(|p| (p.slot, p.fine, p.coarse))
@@ -186,7 +187,7 @@ impl ProgressiveMesh {
                 .sum::<usize>()
     }
 
-    /// Undoes one step; false at full resolution. O(corners that move).
+    /// Undoes a step; returns false at full resolution. O(moved corners).
     pub fn refine(&mut self) -> bool {
         let Some(step) = self.steps.checked_sub(1) else { return false };
         for pair in self.parted_range(step) {
@@ -204,7 +205,7 @@ impl ProgressiveMesh {
         true
     }
 
-    /// Does one step again; false at the base mesh. O(corners that move).
+    /// Redoes a step; returns false at the base mesh. O(moved corners).
     pub fn coarsen(&mut self) -> bool {
         let step = self.steps;
         if step >= self.len() {
@@ -225,7 +226,7 @@ impl ProgressiveMesh {
         true
     }
 
-    /// Goes to the level after `steps` steps, or to the base mesh if there are fewer. O(corners that move between).
+    /// Goes to the level after `steps` steps, or to the base mesh if there are fewer. O(moved corners in between).
     pub fn seek(&mut self, steps: usize) {
         let steps = steps.min(self.len());
         while self.steps > steps {
@@ -249,8 +250,8 @@ impl ProgressiveMesh {
         self.corner_start[pair] as usize..self.corner_start[pair + 1] as usize
     }
 
-    /// Follows every corner from the input down to the level at which its triangle vanishes: lists it with the pairs
-    /// that move it, and leaves it in the slot that it holds last.
+    /// Follows each corner from the input down to the level where its triangle vanishes. Lists the corner at each pair
+    /// moving it, and leaves it in its last slot.
     fn find_corners(&mut self, mesh: &Mesh, slot: &[u32], ends: &[u32]) -> Result<(), SequenceError> {
         let base = self.vertices_after[self.len()];
         let step_of_pair: Vec<u32> = (0..self.len())
@@ -264,7 +265,7 @@ impl ProgressiveMesh {
             let end = ends[t as usize];
             let corners = mesh.triangles()[t as usize].map(|v| {
                 let mut at = slot[v as usize];
-                // The triangle is still there after the step that joins this slot to another.
+                // The triangle survives the step joining this slot to another.
                 while at >= base && end > step_of_pair[(at - base) as usize] + 1 {
                     let pair = (at - base) as usize;
                     total += 1;
@@ -299,20 +300,20 @@ impl ProgressiveMesh {
     }
 }
 
-/// Slots given out from the base up, one step at a time.
+/// Gives out slots from the base up, step by step.
 struct Slots<'a> {
     mesh: &'a Mesh,
     sequence: &'a CollapseSequence,
-    /// Positions of the input's vertices as snapped, and whether that is undone.
+    /// Input positions after snapping. `unsnapped`: true once snapping is undone.
     placed: Cow<'a, [[f32; 3]]>,
     unsnapped: bool,
-    /// The step that makes each new vertex.
+    /// Step making each new vertex.
     birth: Vec<u32>,
-    /// Vertices of the input that nothing uses: they come with the last split.
+    /// Input vertices used by no triangle: added by the last split.
     unused: &'a [u32],
-    /// Per vertex of the sequence the slot it is in, or would be in.
+    /// Slot of each vertex of the sequence, or the slot it would be in.
     slot: Vec<u32>,
-    /// Per slot the vertex in it.
+    /// Vertex in each slot.
     holder: Vec<u32>,
     positions: Vec<[f32; 3]>,
     parted: Vec<[u32; 2]>,
@@ -362,8 +363,8 @@ impl<'a> Slots<'a> {
         base
     }
 
-    /// Undoes a step: of the vertices that it made one, the first takes the slot, unless the kept one has it, and the
-    /// others get slots of their own.
+    /// Undoes a step. Of the vertices merged by the step, the first takes the slot, unless the kept vertex holds it.
+    /// Each other vertex gets a new slot.
     fn refine(&mut self, step: usize) {
         let sequence = self.sequence;
         let folds = if step == 0 { sequence.aliases() } else { &[] };
@@ -371,14 +372,14 @@ impl<'a> Slots<'a> {
         let snapped: Vec<u32> = if step == 0 { self.snapped() } else { Vec::new() };
         self.unsnapped = step == 0;
         let substitutions = sequence.substitutions(step);
-        // First, since they may have duplicates, which part from them.
+        // Unused vertices first: they may have duplicates, which part from them.
         if step == 0 {
             for &v in self.unused.iter().filter(|&&v| (v as usize) < sequence.input_vertices()) {
                 self.parted.push([self.holder.len() as u32; 2]);
                 self.add(v);
             }
         }
-        // Last first: the slot of each target is then known, even if the same step does away with it.
+        // Last substitution first: the slot of each target is then known, even if this step also removes the target.
         for &[from, to] in substitutions.iter().rev().chain(folds) {
             self.slot[from as usize] = self.slot[to as usize];
         }
@@ -408,7 +409,7 @@ impl<'a> Slots<'a> {
         self.mark();
     }
 
-    /// The snapped vertices that are in slots.
+    /// Returns the snapped vertices held by slots.
     fn snapped(&self) -> Vec<u32> {
         let vertices = self.sequence.snaps().iter().map(|snap| snap[0]);
         let is_there = |&v: &u32| self.holder.get(self.slot[v as usize] as usize) == Some(&v);
@@ -440,8 +441,9 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// Per triangle the steps after which it is gone, the triangles last vanishing first, and how many are left after each
-/// number of steps. Here a degenerate triangle of the input is there until the first step.
+/// Returns the number of steps after which each triangle is gone, the triangles sorted by it in descending order, and
+/// the number of triangles left after each number of steps. Degenerate triangles of the input count until the first
+/// step.
 fn order_triangles(
     mesh: &Mesh,
     collapse_forest: &CollapseForest,

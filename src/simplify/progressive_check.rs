@@ -1,42 +1,42 @@
-//! Every promise of a progressive mesh, checked, so that files are let in through here only.
+//! Checks all invariants of a progressive mesh. Files are let in through here only.
 //!
-//! Tables first; then all splits are made, from the base mesh up, and each is asked whether doing it again gives back
-//! what was there. The level that the mesh was at must come by on the way.
+//! Tables are checked first. Then all splits are applied from the base mesh up. Each split must exactly invert its
+//! step. On the way, the current level must be reached bit for bit.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
 
 use super::ProgressiveMesh;
 
-/// What is wrong with the parts of a [`ProgressiveMesh`].
+/// An inconsistency in a [`ProgressiveMesh`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgressiveError {
-    /// A table is longer or shorter than the others ask for.
+    /// A table's length differs from the length required by the others, or exceeds the maximum.
     #[error("there are {found} {what} where {expected} are needed")]
     Length {
-        /// What was counted.
+        /// Counted elements.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many are needed, or the most that are supported.
+        /// Number needed, or the maximum supported.
         expected: usize,
     },
     /// A running count falls where it should grow, or grows where it should fall.
     #[error("the {what} are out of order at entry {entry}")]
     Order {
-        /// What is counted.
+        /// Name of the count.
         what: &'static str,
-        /// The entry that does not follow from the one before it.
+        /// First entry out of order.
         entry: usize,
     },
-    /// An input vertex or triangle is not there, or there twice.
+    /// An order names an input vertex or triangle out of range or twice.
     #[error("the order of {what} names {index} at place {place}, which is not there or named before")]
     NotPermutation {
         /// "vertices" or "triangles".
         what: &'static str,
         /// The place.
         place: usize,
-        /// What it names.
+        /// Index named at the place.
         index: u32,
     },
     /// A slot lies at a non-finite position, before or after a step.
@@ -45,17 +45,17 @@ pub enum ProgressiveError {
         /// The slot.
         slot: usize,
     },
-    /// A pair `[k, l]` parts slots out of turn: `l` counts up, `k` comes earlier or is `l` itself.
+    /// A pair `[k, l]` is out of turn: `l` must count up from the base, and `k <= l`.
     #[error("pair {pair} parts slot {k} into {l}, which is out of turn")]
     Pair {
         /// Index among all pairs, from the base up.
         pair: usize,
-        /// The slot that stays.
+        /// Slot kept.
         k: u32,
-        /// The slot that comes.
+        /// Slot added.
         l: u32,
     },
-    /// A triangle that comes names a slot that is not there yet.
+    /// An added triangle names a slot not present yet.
     #[error("triangle {triangle} names slot {slot}, which is not there when it comes")]
     Triangle {
         /// The triangle's place.
@@ -63,15 +63,16 @@ pub enum ProgressiveError {
         /// The slot.
         slot: u32,
     },
-    /// A corner that moves is not there yet, or not at the slot that it moves from.
+    /// A moved corner is not present yet, is not at the slot it moves from, or moves twice in a step.
     #[error("corner {corner} of pair {pair} is not at the slot that it moves from")]
     Corner {
         /// Index of the pair.
         pair: usize,
-        /// Three times the triangle and 0 to 2.
+        /// `3 * triangle + i`, `i` from 0 to 2.
         corner: u32,
     },
-    /// A slot that moves is not there yet, does not lie where it moves from, or moves twice in a step.
+    /// A moved slot is not present yet, is not at the position it moves from, does not change its position, or moves
+    /// twice in a step.
     #[error("move {place} does not start where slot {slot} lies, or is not its only one")]
     Place {
         /// Index among all moves.
@@ -79,10 +80,10 @@ pub enum ProgressiveError {
         /// The slot.
         slot: u32,
     },
-    /// What is shown is not the level that it is said to be.
+    /// The current triangles or positions differ from the level given by `steps`.
     #[error("the mesh shown is not that after {steps} steps")]
     Level {
-        /// The level it is said to be at.
+        /// Number of steps of the level claimed.
         steps: usize,
     },
 }
@@ -90,13 +91,13 @@ pub enum ProgressiveError {
 use ProgressiveError as Error;
 
 impl ProgressiveMesh {
-    /// Proves what every other call relies on: levels are prefixes, and every split undoes a step that redoes exactly.
-    /// O(vertices + triangles + corners that move), with a copy of the whole.
+    /// Checks the invariants used by every other call: levels are prefixes, and each split exactly inverts its step.
+    /// O(vertices + triangles + moved corners), with a copy of the whole mesh.
     ///
-    /// Holds for whatever [`ProgressiveMesh::new`] makes; files are let in through it only.
+    /// Succeeds for every mesh made by [`ProgressiveMesh::new`]. Files are let in through it only.
     ///
     /// # Errors
-    /// The first element that breaks a promise.
+    /// The first element violating an invariant.
     pub fn validate(&self) -> Result<(), ProgressiveError> {
         self.check_tables()?;
         self.check_positions()?;
@@ -181,7 +182,7 @@ impl ProgressiveMesh {
         Ok(())
     }
 
-    /// Whether the next split finds everything as the step that it undoes left it.
+    /// Checks the corners and slots of the next split: they must be as left by the step it undoes.
     fn check_split(&self) -> Result<(), Error> {
         let step = self.steps() - 1;
         let (vertices, triangles) = (self.positions().len(), self.triangles().len());
@@ -205,7 +206,7 @@ impl ProgressiveMesh {
         Ok(())
     }
 
-    /// Whether what the last split wrote has stayed as it wrote it, and what came names what is there.
+    /// Checks the corners and slots written by the last split, and the slots named by added triangles.
     fn check_split_done(&self) -> Result<(), Error> {
         let step = self.steps();
         for pair in self.parted_range(step) {
@@ -233,7 +234,7 @@ impl ProgressiveMesh {
         }
     }
 
-    /// Whether this is a level's state to the last bit, where it is that level.
+    /// Checks bit equality with `level`, if both are after the same number of steps.
     fn check_level(&self, level: &Self) -> Result<(), Error> {
         let same = self.steps != level.steps
             || self.triangles == level.triangles
@@ -262,7 +263,7 @@ fn check_permutation(what: &'static str, order: &[u32], count: usize) -> Result<
     Ok(())
 }
 
-/// What comes out of a file.
+/// Deserialised fields, not validated yet.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 pub(super) struct Parts {

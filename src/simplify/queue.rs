@@ -1,9 +1,9 @@
 //! A priority queue of points keyed by cost, in constant time and in the order of memory.
 //!
-//! Costs are sorted into classes by the leading bits of their float representation: 16 classes an octave, so that two
-//! costs of one class differ by at most 6.25 %. Inside a class it is first in, first out. Two reasons against a binary
-//! heap: it costs a logarithm, and it visits points of equal worth in random order, which on a large mesh makes every
-//! collapse a cache miss.
+//! Costs are classed by the leading bits of their float representation: 16 classes per octave, so two costs of equal
+//! class differ by at most 6.25 %. Inside a class the queue is first in, first out. Two reasons against a binary heap:
+//! it costs a logarithm, and it visits points of equal cost in random order, so on a large mesh each collapse is a
+//! cache miss.
 //!
 //! ```text
 //!             tile 0        tile 1        tile 2          points by number, a few thousand waiting ones a tile
@@ -11,41 +11,41 @@
 //!   band 1   10 11 12      13 14 15      16 17 18
 //! ```
 //!
-//! Where points do not fit the cache, a band of costs is served tile by tile, in each tile class by class. What is
-//! served is then not quite ascending: [`rank`](ClassQueue::rank) tells the class of each, so that the sequence can be
-//! put in order afterwards (`reorder.rs`). When one tile is left, all bands are one.
+//! Where points do not fit the cache, a band of costs is served tile by tile, and each tile class by class. Costs are
+//! then served in nearly ascending order: [`rank`](ClassQueue::rank) tells the class of each point, by which
+//! `reorder.rs` sorts the sequence afterwards. Once a single tile is left, a single band holds all classes.
 //!
-//! An entry is never searched for: a point that moves to another class leaves its old entry behind, which is recognised
-//! when it comes up; and points that wait for a later tile or band are found by running over their classes.
+//! Entries are never searched for. A point moved to another class leaves its old entry behind, recognised when it comes
+//! up. Points waiting for a later tile or band are found by scanning the classes of all points.
 
 use crate::mesh::NONE;
 
-/// Bits of the cost that make its class: 8 exponent bits and 4 of the mantissa (the sign is always 0).
+/// Bits dropped from the cost to get its class: 8 exponent bits and 4 of the mantissa remain (the sign is always 0).
 const CLASS_SHIFT: u32 = 19;
 const CLASSES: u32 = (f32::INFINITY.to_bits() >> CLASS_SHIFT) + 1;
-/// Waiting points that are served as one tile: their neighbourhoods fit a last-level cache.
+/// Most waiting points served as a single tile: their neighbourhoods fit a last-level cache.
 const WHOLE: usize = 65_536;
-/// Waiting points in a tile where there are more: their neighbourhoods fit a second-level cache.
+/// Waiting points per tile where more than `WHOLE` wait: their neighbourhoods fit a second-level cache.
 const TILE: usize = 8192;
 
 /// A queue of points by cost class. Costs must not be negative or NaN.
 #[derive(Debug, Clone)]
 pub(super) struct ClassQueue {
-    /// The class that each point waits in; [`NONE`] while it does not wait.
+    /// Class in which each point waits; [`NONE`] while it does not wait.
     class_of: Vec<u32>,
-    /// One queue per class of the band being served.
+    /// A queue per class of the current band.
     classes: Vec<Fifo>,
-    /// First class of the band, and the one after its last.
+    /// Current band: its first class, and the first class beyond.
     band: [u32; 2],
-    /// The class being served.
+    /// The current class.
     current: u32,
-    /// The tile being served, and how many points its successors have.
+    /// Points of the current tile. `stride`: points per tile.
     tile: std::ops::Range<usize>,
     stride: usize,
-    /// The least class seen beyond the band, to go on with.
+    /// Least class seen beyond the band or before the tile: the next band starts there.
     least_beyond: u32,
     waiting: usize,
-    /// Classes of a band that is served tile by tile, and how many bands were.
+    /// Number of classes per tiled band. `bands`: number of bands begun.
     band_width: u32,
     bands: u32,
 }
@@ -57,8 +57,8 @@ struct Fifo {
 }
 
 impl ClassQueue {
-    /// A queue for so many points. A wide band streams a large mesh through the cache less often; a narrow one keeps
-    /// closer to the order of cost.
+    /// Creates an empty queue for `points` points. A wide band streams a large mesh through the cache less often; a
+    /// narrow band keeps closer to the order of cost.
     pub fn new(points: usize, band_width: u32) -> Self {
         Self {
             class_of: vec![NONE; points],
@@ -78,7 +78,7 @@ impl ClassQueue {
         (cost.to_bits() >> CLASS_SHIFT).min(CLASSES - 1)
     }
 
-    /// Puts a point in, or moves it to its new class.
+    /// Inserts a point, or moves it to its new class.
     #[inline]
     pub fn insert(&mut self, point: u32, cost: f32) {
         debug_assert!(cost >= 0.0, "cost {cost}");
@@ -90,7 +90,7 @@ impl ClassQueue {
         self.waiting += usize::from(*waits == NONE);
         *waits = class;
         if class < self.band[1] && self.tile.contains(&(point as usize)) {
-            // A cost below the class being served joins that class.
+            // A cost below the current class joins the current class.
             let class = class.max(self.current);
             self.class_of[point as usize] = class;
             self.classes[(class - self.band[0]) as usize].entries.push(point);
@@ -100,7 +100,7 @@ impl ClassQueue {
         }
     }
 
-    /// Takes a point out, wherever it waits.
+    /// Removes a point, wherever it waits.
     #[inline]
     pub fn remove(&mut self, point: u32) {
         let waits = &mut self.class_of[point as usize];
@@ -108,19 +108,19 @@ impl ClassQueue {
         *waits = NONE;
     }
 
-    /// Whether a cost is due: no dearer than the class being served.
+    /// Returns true if a cost is due: its class is at most the current class.
     #[inline]
     pub fn is_due(&self, cost: f32) -> bool {
         Self::class(cost) <= self.current
     }
 
-    /// The class being served: what the point popped last counts as.
+    /// The current class: the class of the point popped last.
     #[inline]
     pub fn rank(&self) -> u32 {
         self.current
     }
 
-    /// Whether the band is served tile by tile, so that ranks may descend.
+    /// Returns true if bands are served tile by tile. Ranks may then descend.
     #[inline]
     pub fn is_tiled(&self) -> bool {
         self.stride < self.class_of.len()
@@ -132,7 +132,7 @@ impl ClassQueue {
         self.bands
     }
 
-    /// The next point, taken out.
+    /// Removes and returns the next point.
     pub fn pop(&mut self) -> Option<u32> {
         loop {
             while self.current < self.band[1] {
@@ -155,7 +155,8 @@ impl ClassQueue {
         }
     }
 
-    /// Goes on to the next tile, or the next band's first. Whether anything waits.
+    /// Moves on to the next tile, or to the first tile of the next band. Returns false if no tile is left and nothing
+    /// waits.
     fn next_tile(&mut self) -> bool {
         let points = self.class_of.len();
         if self.tile.end >= points {
@@ -164,7 +165,7 @@ impl ClassQueue {
                 self.current = 0;
                 return false;
             }
-            // Fewer points wait than at first: as many of them a tile.
+            // Fewer points wait than at first: tiles widen, with about `TILE` waiting points each.
             let tiles = if self.waiting <= WHOLE { 1 } else { self.waiting.div_ceil(TILE) };
             self.bands += 1;
             self.stride = points.div_ceil(tiles);

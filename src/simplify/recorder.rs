@@ -1,4 +1,4 @@
-//! Writes down what each collapse does to vertices and triangles, as the [`CollapseSequence`] wants it.
+//! Records the effect of each collapse on vertices and triangles, in the form of a [`CollapseSequence`].
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::sequence::{CollapseSequence, NewVertex};
 use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 
-/// The sequence as it grows.
+/// A sequence under construction.
 pub(super) struct Recorder {
     input_vertices: u32,
     new_vertices: Vec<NewVertex>,
@@ -25,14 +25,14 @@ pub(super) struct Recorder {
     triangle_end: Vec<u32>,
     batch_end: Vec<u32>,
     live_vertices: usize,
-    /// Start and number of every point's wedges; empty where every point has one.
+    /// Start and count of each point's wedges; empty where each point has a single wedge.
     spans: Vec<[u32; 2]>,
     wedges: Vec<u32>,
-    /// Where the input's vertices lie, object units; empty unless a wedge may move.
+    /// Positions of the input's vertices, object units; empty unless wedges may move.
     positions: Vec<[f32; 3]>,
-    /// The kept point's wedges and the vertex that each becomes, in the merge at hand.
+    /// `[wedge, image]` of the kept point's wedges in the current merge.
     renamed: Vec<[u32; 2]>,
-    /// Vertices and substitutions before the last merge.
+    /// Number of vertices and substitutions before the last merge.
     before: [usize; 2],
     has_curves: bool,
 }
@@ -107,7 +107,7 @@ impl Recorder {
         self.live_vertices
     }
 
-    /// The substitutions of merging `pair`, asked before the surface changes: `renew` is the new position (object
+    /// Records the substitutions of merging `pair`. Call before the surface changes. `renew`: the new position (object
     /// units) and the share of `kept` in blends, or `None` where `kept` stays as it is. O(wedges).
     pub fn substitute(&mut self, surface: &WorkingSurface, pair: Pair, renew: Option<([f32; 3], f32)>) {
         self.before = [self.vertex_count(), self.substitutions.len()];
@@ -121,7 +121,7 @@ impl Recorder {
         self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - self.before[1]);
     }
 
-    /// What the last merge did to vertices; `position` in the inner frame.
+    /// Returns the changes of vertices by the last merge; `position` in the inner frame.
     pub fn last(&self, position: [f32; 3]) -> Substitutions<'_> {
         let [vertices, substitutions] = self.before;
         Substitutions {
@@ -150,11 +150,11 @@ impl Recorder {
         let map = WedgeMap::chosen(surface, pair);
         let [lost, kept] = [pair.lost, pair.kept].map(|point| self.wedges_of(point));
         let Some(&anchor) = self.wedges[kept.clone()].first() else { return };
-        // More wedges than are kept apart become one.
+        // Too many wedges to keep apart: all become a single wedge.
         let all_one = map.overflows();
         let root = |kept: u32| if all_one { anchor } else { map.root(kept) };
 
-        // What the kept wedges become. Where they all stay there is nothing to do: a hub may have many.
+        // Images of the kept wedges. Nothing to do where all stay: a hub may have many.
         let mut renamed = std::mem::take(&mut self.renamed);
         renamed.clear();
         let adds = map.pairs().iter().any(|pair| pair[0] == pair[1]);
@@ -203,7 +203,7 @@ impl Recorder {
         self.vertex_count() as u32 - 1
     }
 
-    /// Where a vertex lies, object units.
+    /// Returns the position of a vertex, object units.
     fn position(&self, vertex: u32) -> [f32; 3] {
         match vertex.checked_sub(self.input_vertices) {
             Some(new) => self.new_vertices[new as usize].position,
@@ -211,7 +211,7 @@ impl Recorder {
         }
     }
 
-    /// Puts the second of each pair in the list of a point's wedges: in its old place where they fit.
+    /// Sets a point's wedges to the images in `renamed`: in the old place where they fit, else at the end.
     fn replace_wedges(&mut self, point: u32, renamed: &[[u32; 2]]) {
         let span = &mut self.spans[point as usize];
         if renamed.len() > span[1] as usize {
@@ -224,8 +224,8 @@ impl Recorder {
         }
     }
 
-    /// The substitutions of a part that vanishes: every vertex of `points` is taken for `into`. Asked before the surface
-    /// changes. O(wedges).
+    /// Records the substitutions of a vanishing part: each vertex of `points` is replaced by `into`. Call before the
+    /// surface changes. O(wedges).
     pub fn vanish(&mut self, surface: &WorkingSurface, points: impl Iterator<Item = u32>, into: u32) {
         let before = self.substitutions.len();
         for point in points {
@@ -240,8 +240,8 @@ impl Recorder {
         self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - before);
     }
 
-    /// Leaves a point one vertex, and gives it: the others are taken for that one. Part of a step in which the point's part
-    /// vanishes.
+    /// Reduces a point to a single vertex and returns the vertex, which replaces the point's other vertices. Part of a
+    /// step in which the point's part vanishes.
     pub fn leave_one(&mut self, surface: &WorkingSurface, point: u32) -> u32 {
         if self.spans.is_empty() {
             return surface.point_vertex(point);
@@ -255,7 +255,7 @@ impl Recorder {
         one
     }
 
-    /// What the substitutions recorded last make of a vertex.
+    /// Returns the target of `vertex` in the substitutions from number `first` on, or `vertex` where it has none.
     pub fn image(&self, vertex: u32, first: usize) -> u32 {
         self.substitutions[first..].iter().find(|s| s[0] == vertex).map_or(vertex, |s| s[1])
     }
@@ -265,13 +265,13 @@ impl Recorder {
         self.substitutions.len()
     }
 
-    /// Where the vertices that sit at a point now are listed.
+    /// Returns the range in `wedges` of the current vertices at a point.
     fn wedges_of(&self, point: u32) -> Range<usize> {
         let [start, count] = self.spans[point as usize].map(|i| i as usize);
         start..start + count
     }
 
-    /// Ends the step: the errors of surface and curves, and what vanished.
+    /// Ends the step. Takes the errors of surface and curves, the dead triangles and the number of live triangles.
     pub fn finish_step(&mut self, [surface, curve]: [f32; 2], dead: &[u32], live: usize) {
         self.step_error.push(surface.max(curve));
         if self.has_curves {
@@ -283,7 +283,7 @@ impl Recorder {
         dead.iter().for_each(|&t| self.triangle_end[t as usize] = end);
     }
 
-    /// Ends the batch, if anything was done in it.
+    /// Ends the batch; returns false if nothing was done in it.
     pub fn finish_batch(&mut self) -> bool {
         let steps = self.steps() as u32;
         let any = steps > self.batch_end.last().copied().unwrap_or(0);
@@ -293,8 +293,8 @@ impl Recorder {
         any
     }
 
-    /// The sequence, in the order it was recorded, and per step the errors of surface and curves; none where the input
-    /// has no curves.
+    /// Returns the sequence in recorded order, and per step the errors of surface and curves (empty where the input has
+    /// no curves).
     pub fn finish(self, report: SimplifyReport) -> (CollapseSequence, Vec<[f32; 2]>) {
         let mut sequence = CollapseSequence {
             input_vertices: self.input_vertices,
@@ -318,7 +318,7 @@ impl Recorder {
     }
 }
 
-/// The used wedges of every point: start and number of each, and vertices; by counting.
+/// Lists the used wedges of each point by counting sort: start and count per point, and the vertices.
 fn wedge_lists(topology: &Topology, used: &[bool]) -> (Vec<[u32; 2]>, Vec<u32>) {
     let wedges = || (0..used.len()).filter(|&v| used[v]);
     let point = |v: usize| topology.point_of()[v] as usize;

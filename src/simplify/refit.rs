@@ -1,29 +1,29 @@
-//! Attributes of a level, fitted to the input: the values that are closest to it over its whole surface.
+//! Fits attributes of a level to the input: least squares over the input's whole surface.
 //!
 //! ```text
 //!   least   sum over the input's triangles of  area * |value at the middle - value of the level where that lies|^2
 //! ```
 //!
-//! Values kept from the input are right at their vertices and, between these, as far off as the input bends; fitted ones
-//! are a little off everywhere, and less on average. The least squares are found by passing back what the level is off
-//! by, a few times: each vertex takes the mean over the places that it has a share in, by area and share.
+//! Values kept from the input are exact at their vertices and, between vertices, deviate as far as the input bends.
+//! Fitted values deviate a little everywhere, and less on average. The least squares are found iteratively: each round
+//! adds to each vertex the mean residual over the places in which it has a share, weighted by area times share.
 
 use crate::mesh::{Attribute, Mesh, Topology, names};
 
 use super::footprint::{self, Place};
 use super::solved::{normalise, straighten_tangents};
 
-/// Times that what is off is passed back. Each time about halves what is left of it.
+/// Number of rounds of passing back residuals. Each round about halves the residual.
 const ROUNDS: usize = 4;
 
-/// Whether an attribute is fitted: numbers that may be blended and mean something by themselves.
+/// Returns true if an attribute is fitted: it is numeric, may be blended, and is meaningful without other attributes.
 fn is_fitted(attribute: &Attribute) -> bool {
     let name = attribute.name();
     let by_itself = !names::is_set_of(name, names::WEIGHTS) && name != names::TANGENT;
     by_itself && attribute.as_floats().is_some()
 }
 
-/// Fits the attributes of a level of a mesh, whose triangles lie at `places` on it. Locked vertices keep their values.
+/// Fits the attributes of `level`. `places`: place of each triangle of `mesh` on it. Locked vertices keep their values.
 pub(super) fn refit(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Attribute> {
     let mut attributes = level.attributes().to_vec();
     if !attributes.iter().any(is_fitted) || level.triangles().is_empty() {
@@ -37,7 +37,8 @@ pub(super) fn refit(mesh: &Mesh, level: &Mesh, places: &[Place]) -> Vec<Attribut
         if !is_fitted(source) {
             continue;
         }
-        // Vertices of one place and value are one: a seam of other attributes must not become one of this.
+        // Vertices of equal position and value are fitted together: a seam of other attributes must not become a seam
+        // of this attribute.
         let one_of = topology.equal_values(target);
         fit(mesh, level, source, target, &one_of, places, &areas);
         for vertex in 0..level.positions().len() {
@@ -78,7 +79,7 @@ fn fit(
     let mut sums = vec![0.0f32; fitted.len()];
     let mut shares = vec![0.0f32; one_of.len()];
     let mut range: Vec<[f32; 2]> = fitted.iter().map(|&own| [own, own]).collect();
-    // Where each sample lies, and its value.
+    // Place and value of each sample.
     let mut samples = Vec::with_capacity(places.len());
     let mut middles = Vec::with_capacity(places.len() * width);
     for ((place, &area), corners) in places.iter().zip(areas).zip(mesh.triangles()) {

@@ -1,16 +1,16 @@
-//! Puts a sequence that was found tile by tile in order of cost, and cuts it where its targets are reached.
+//! Sorts a sequence found tile by tile into order of cost, and cuts it where its targets are reached.
 //!
-//! Two steps may change places unless one needs the other: unless the later one merges a point whose triangles the
-//! earlier one changed. The engine gives every step a rank that is no less than those of the steps it needs, so a
-//! stable sort by rank is a valid sequence with the same patches, and the same errors.
+//! Two steps may be swapped unless the later step merges a point whose triangles the earlier step changed. The engine
+//! gives each step a rank no less than the ranks of the steps it depends on. A stable sort by rank is therefore a valid
+//! sequence with equal patches and errors.
 
 use crate::mesh::NONE;
 
 use super::options::Limits;
 use super::sequence::CollapseSequence;
 
-/// Sorts the steps of every batch by rank, stably, and `parts`, which has an entry per step or none; the steps' former
-/// numbers in the new order. O(steps + vertices + triangles).
+/// Sorts the steps of each batch by rank, stably; and `parts`, which has an entry per step or is empty. Returns the
+/// steps' former numbers in the new order. O(steps log steps + vertices + triangles).
 pub(super) fn sort_by_rank(
     sequence: &mut CollapseSequence,
     ranks: &[u32],
@@ -77,8 +77,8 @@ pub(super) fn sort_by_rank(
     order
 }
 
-/// Cuts a sequence after the first step at which the targets are reached. `vertices` is how many a triangle uses at
-/// the start.
+/// Cuts a sequence after the fewest steps reaching a limit. `vertices`: number of vertices used by triangles at the
+/// start.
 pub(super) fn cut(sequence: &mut CollapseSequence, limits: &Limits, vertices: usize) {
     let made = new_vertices_of_steps(sequence);
     let reached = (0..=sequence.step_error.len()).find(|&step| {
@@ -101,7 +101,7 @@ pub(super) fn cut(sequence: &mut CollapseSequence, limits: &Limits, vertices: us
     }
 }
 
-/// Per step the number of new vertices made before it; one more than steps.
+/// Number of new vertices made before each step; length steps + 1.
 fn new_vertices_of_steps(sequence: &CollapseSequence) -> Vec<u32> {
     let input = sequence.input_vertices;
     let mut made = Vec::with_capacity(sequence.step_error.len() + 1);

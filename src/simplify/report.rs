@@ -1,70 +1,72 @@
-//! What a simplification reached, and why it stopped.
+//! Result of a simplification, and the reason for stopping.
 
 use super::NormalsDone;
 use super::permissive::GivenUp;
 
-/// Why a simplification stopped.
+/// Reason for stopping a simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StopReason {
-    /// The triangles, vertices or bytes asked for were reached.
+    /// The target number of triangles, vertices or bytes was reached.
     Target,
-    /// The next collapse would have gone beyond the error asked for.
+    /// The next collapse would exceed the target error.
     Error,
-    /// No legal collapse is left: see the refusals.
+    /// No legal collapse is left; see [`SimplifyReport::refusals`].
     NothingLegal,
-    /// Every legal collapse left would bring the error beyond what the triangles left explain: see
+    /// Each legal collapse left would raise the error beyond the value explained by the triangles left; see
     /// [`Guard`](super::Guard).
     Guard,
-    /// The progress callback asked to stop. The sequence up to there is whole and usable.
+    /// The progress callback stopped the run. The sequence up to there is whole and usable.
     Cancelled,
 }
 
-/// How many candidates one oracle refused.
+/// Number of candidates refused by an oracle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Refusal {
-    /// The oracle's name.
+    /// Name of the oracle.
     pub oracle: String,
-    /// Candidates it refused, a candidate counted each time it was asked about.
+    /// Candidates refused; a candidate counts each time the oracle was asked about it.
     pub count: u64,
-    /// Candidates it refuses in the final mesh, counted only where nothing legal was left.
+    /// Candidates refused in the final mesh; counted only after stopping with [`StopReason::NothingLegal`],
+    /// [`StopReason::Error`] or [`StopReason::Guard`].
     pub standing: u64,
 }
 
-/// What a simplification reached, and why it stopped.
+/// Result of a simplification, and the reason for stopping.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SimplifyReport {
-    /// Why it stopped.
+    /// Reason for stopping.
     pub stop: StopReason,
     /// Collapses done.
     pub steps: usize,
     /// Triangles left.
     pub triangles: usize,
-    /// Vertices (wedges) left that a triangle uses.
+    /// Vertices (wedges) left, used by triangles.
     pub vertices: usize,
-    /// Error of the last level, object units: the larger of the next two.
+    /// Error of the last level, object units: `max(surface_error, curve_error)`.
     pub error: f32,
-    /// Error of its surface, object units.
+    /// Surface error of the last level, object units.
     pub surface_error: f32,
-    /// Error of its curves, object units: borders, non-manifold edges, seams, borders between materials, and creases.
+    /// Curve error of the last level, object units. Curves are borders, non-manifold edges, seams, borders between
+    /// materials, and creases.
     pub curve_error: f32,
-    /// What became of normals.
+    /// Treatment of normals.
     pub normals: NormalsDone,
-    /// Parts of the input (points joined by triangles) of which nothing is left. 0 in sequences that were not made by a
+    /// Number of vanished parts of the input (points joined by triangles). 0 in sequences not made by a
     /// [`Simplifier`](super::Simplifier).
     pub parts_removed: usize,
-    /// Refusals, one entry per oracle in the order they were asked.
+    /// Refusals, an entry per oracle in the order of asking.
     pub refusals: Vec<Refusal>,
-    /// Collapses by which seams, creases and material borders gave ([`Permissive`](super::Permissive)).
+    /// Collapses giving up seams, creases, material borders or topology ([`Permissive`](super::Permissive)).
     pub given_up: GivenUp,
 }
 
 impl SimplifyReport {
-    /// A report of no steps yet.
+    /// Creates a report of 0 steps.
     pub(super) fn new(stop: StopReason) -> Self {
         Self {
             stop,

@@ -1,14 +1,14 @@
-//! Four triangles that share their first corner, side by side: which of them a point lies over, and how far it is from each.
+//! Four triangles sharing their first corner, side by side: which of them a point lies over, and its distance from
+//! each.
 
 use glam::Vec4;
 
 use super::lanes::Lanes;
 
-/// Four triangles relative to their first corner, whose two other corners are `a` and `b`.
+/// Four triangles relative to their shared first corner. `a` and `b`: the two other corners of each.
 ///
-/// A point `p` lies between a triangle's sides along a and b where its products with the two inner side normals are not
-/// negative, and over the triangle where `p . side_ab + reach` is not either. Its squared distance is then
-/// `(p . normal)^2 * inverse_area`.
+/// A point `p` lies between the sides along `a` and `b` where `p . side_a >= 0` and `p . side_b >= 0`. It lies over the
+/// triangle where also `p . side_ab + reach >= 0`. Its squared distance is then `(p . normal)^2 * inverse_area`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sectors {
     a: Lanes,
@@ -41,7 +41,7 @@ impl Sectors {
         }
     }
 
-    /// Squared distances of a point to the triangles it lies over, infinite for the others.
+    /// Returns the squared distances of a point to the triangles it lies over; infinite for other triangles.
     #[inline]
     pub fn heights(&self, p: &Lanes) -> Vec4 {
         let between = p.dot(&self.side_a).min(p.dot(&self.side_b));
@@ -50,7 +50,7 @@ impl Sectors {
         Vec4::select(inside, height * height * self.inverse_area, Vec4::INFINITY)
     }
 
-    /// Squared distances of a point to the triangles' sides.
+    /// Returns the squared distances of a point to the triangles' sides.
     #[inline]
     pub fn sides(&self, p: &Lanes) -> Vec4 {
         let origin = Lanes([Vec4::ZERO; 3]);
@@ -59,7 +59,7 @@ impl Sectors {
     }
 }
 
-/// The least of four distances, and its lane.
+/// Returns the least of four distances, and its lane.
 #[inline]
 pub(super) fn least(distances: Vec4) -> (f32, usize) {
     let least = distances.min_element();

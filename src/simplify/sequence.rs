@@ -1,4 +1,4 @@
-//! What the simplifier hands over: every collapse in order, enough to replay it exactly in both directions.
+//! The simplifier's output: all collapses in order, enough for an exact replay in both directions.
 //!
 //! ```text
 //!   step 1      2      3  ...   n          a step moves every wedge of one point onto a wedge of another
@@ -6,7 +6,7 @@
 //!   input                        base      (other placements): `from -> to` substitutions
 //! ```
 //!
-//! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less those
+//! After `k` steps the mesh is *the image of the input triangles under the first k steps' substitutions, less triangles
 //! with two equal corners*. Nothing else is needed: no connectivity can be lost, on any input.
 
 use std::borrow::Cow;
@@ -21,63 +21,63 @@ use super::refit::refit;
 use super::report::SimplifyReport;
 use super::solved::solve_new;
 
-/// A vertex that a collapse made: a blend of two others.
+/// A vertex made by a collapse: a blend of two vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NewVertex {
-    /// The two vertices it replaces (input vertices or earlier new ones). Equal where only one wedge came along.
+    /// The two vertices replaced (input or earlier new vertices). Equal where a single wedge came along.
     pub from: [u32; 2],
-    /// Share of the second in its attributes, 0 to 1.
+    /// Share of `from[1]` in the attributes, 0 to 1.
     pub weight: f32,
-    /// Where it lies, object units.
+    /// Position, object units.
     pub position: [f32; 3],
 }
 
-/// Where an output vertex comes from, to carry any vertex type along.
+/// Source of an output vertex, to carry any vertex type along.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Origin {
-    /// This vertex of the input, unchanged.
+    /// An input vertex, unchanged.
     Input(u32),
-    /// `(1 - weight) * a + weight * b` of two vertices with lower numbers, at a position of its own.
+    /// A blend `(1 - weight) * a + weight * b` of two vertices with lower numbers, at its own position.
     Blend(NewVertex),
 }
 
 /// Every collapse of a simplification, in order.
 ///
-/// Vertices are numbered as in the input, then new ones in order of creation. With endpoint placement there are no new
-/// ones. Steps count from 0 (`after 0 steps` is the input).
+/// Vertices are numbered as in the input, followed by new vertices in order of creation. Endpoint placement makes no
+/// new vertices. Steps count from 0; after 0 steps the mesh is the input.
 ///
-/// Counts of steps and numbers of steps beyond the last are taken for the last or for a step that does nothing, as each
-/// method says; serde validates ([`CollapseSequence::validate`]).
+/// A number of steps or a step beyond the last counts as all steps, or as a step without effect, as documented at each
+/// method. Serde validates ([`CollapseSequence::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::sequence_check::Parts"))]
 pub struct CollapseSequence {
     pub(crate) input_vertices: u32,
     pub(crate) new_vertices: Vec<NewVertex>,
-    /// Attributes whose values at new vertices fit the surface that each stands for, instead of blends.
+    /// Attributes fitted at new vertices to the surface merged into each, instead of blended.
     pub(crate) solved: Vec<String>,
-    /// Duplicate vertices and the wedge each is folded into before the first step.
+    /// `[duplicate, kept]`: vertices folded into an equal wedge before the first step.
     pub(crate) aliases: Vec<[u32; 2]>,
-    /// Vertices and the one whose position each takes before the first step.
+    /// `[vertex, to]`: `vertex` takes the position of `to` before the first step.
     pub(crate) snaps: Vec<[u32; 2]>,
     pub(crate) substitutions: Vec<[u32; 2]>,
-    /// Start of each step's substitutions; one more than steps.
+    /// Start of each step's substitutions; length steps + 1.
     pub(crate) step_start: Vec<u32>,
-    /// Per step, a bound for the region that it changed.
+    /// Per step, an error bound for the changed region.
     pub(crate) step_error: Vec<f32>,
     /// Per step, the largest `step_error` so far.
     pub(crate) max_error: Vec<f32>,
-    /// Per step, the largest errors of the surface and of curves so far. Empty where there are no curves: then the
-    /// surface's are `max_error`, and those of curves 0.
+    /// Per step, the largest errors of the surface and of curves so far. Empty without curves: the surface error is
+    /// then `max_error`, the curve error 0.
     pub(crate) surface_error: Vec<f32>,
     pub(crate) curve_error: Vec<f32>,
-    /// Triangles left after k steps; one more than steps.
+    /// Triangles left after k steps; length steps + 1.
     pub(crate) triangles_after: Vec<u32>,
     /// Per input triangle the number of steps after which it is gone; 0: degenerate in the input; MAX: never.
     pub(crate) triangle_end: Vec<u32>,
-    /// Steps done at the end of each batch (one batch in linear order).
+    /// Steps done at the end of each batch (a single batch in linear order).
     pub(crate) batch_end: Vec<u32>,
     pub(crate) report: SimplifyReport,
 }
@@ -88,18 +88,18 @@ impl CollapseSequence {
         self.step_error.len()
     }
 
-    /// Whether nothing was collapsed.
+    /// Returns true if there are no collapses.
     pub fn is_empty(&self) -> bool {
         self.step_error.is_empty()
     }
 
-    /// Whether a mesh has as many vertices and triangles as the input. Others show nothing:
-    /// [`CollapseSequence::triangles_at`] and [`CollapseSequence::extract`] give none. O(1).
+    /// Returns true if `mesh` has as many vertices and triangles as the input. Other meshes get nothing from
+    /// [`CollapseSequence::triangles_at`] and [`CollapseSequence::extract`]. O(1).
     pub fn fits(&self, mesh: &Mesh) -> bool {
         mesh.positions().len() == self.input_vertices() && mesh.triangles().len() == self.input_triangles()
     }
 
-    /// What was reached and why it stopped.
+    /// Results of the simplification, and the reason for stopping.
     pub fn report(&self) -> &SimplifyReport {
         &self.report
     }
@@ -124,25 +124,25 @@ impl CollapseSequence {
         &self.new_vertices
     }
 
-    /// Duplicate vertices as `[duplicate, kept]`, folded together before the first step: equal in position and all
+    /// Duplicate vertices as `[duplicate, kept]`, folded before the first step. Both are equal in position and all
     /// attributes, or within the [`Tolerances`](crate::mesh::Tolerances) of the simplification.
     pub fn aliases(&self) -> &[[u32; 2]] {
         &self.aliases
     }
 
-    /// Those of the duplicates that nothing in the mesh tells apart from the vertex kept, both used by triangles. O(n).
+    /// Duplicates indistinguishable in the mesh from the vertex kept, both used by triangles. O(n).
     pub(crate) fn folded(&self, mesh: &Mesh) -> Vec<[u32; 2]> {
         folded(mesh, self.aliases.iter().copied())
     }
 
-    /// Vertices that are snapped before the first step, as `[vertex, to]`, ascending: the vertex takes the position of the
-    /// other, which nearly coincides with its own ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps
-    /// its attributes. None where the input has no cracks of that width.
+    /// Vertices snapped before the first step, as `[vertex, to]`, ascending. `vertex` takes the nearly coincident
+    /// position of `to` ([`Tolerances::position`](crate::mesh::Tolerances::position)), and keeps its attributes. Empty
+    /// where the input has no cracks of this width.
     pub fn snaps(&self) -> &[[u32; 2]] {
         &self.snaps
     }
 
-    /// The positions of the input's vertices from the first step on. O(1) where nothing is snapped.
+    /// Returns the positions of the input's vertices from the first step on. O(1) where nothing is snapped.
     pub(crate) fn placed<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
         if self.snaps.is_empty() {
             return Cow::Borrowed(mesh.positions());
@@ -154,7 +154,7 @@ impl CollapseSequence {
         Cow::Owned(positions)
     }
 
-    /// The substitutions `[from, to]` of one step; none where there is no such step.
+    /// Returns the substitutions `[from, to]` of a step; empty where there is no such step.
     pub fn substitutions(&self, step: usize) -> &[[u32; 2]] {
         if step < self.len() {
             &self.substitutions[self.step_start[step] as usize..self.step_start[step + 1] as usize]
@@ -163,67 +163,67 @@ impl CollapseSequence {
         }
     }
 
-    /// The error bound of the region that `step` changed, object units; 0 where there is no such step. What
-    /// it bounds: see [`Simplifier`](super::Simplifier).
+    /// Returns the error bound of the region changed by `step`, object units; 0 where there is no such step.
+    /// Definition: see [`Simplifier`](super::Simplifier).
     pub fn step_error(&self, step: usize) -> f32 {
         self.step_error.get(step).copied().unwrap_or(0.0)
     }
 
-    /// The error of the whole mesh after `steps` steps (all, if there are fewer), object units: the larger of the next
-    /// two. Never decreases with `steps`.
+    /// Returns the error of the whole mesh after `steps` steps (all, if there are fewer), object units: the larger of
+    /// [`surface_error_after`](CollapseSequence::surface_error_after) and
+    /// [`curve_error_after`](CollapseSequence::curve_error_after). Never decreases with `steps`.
     pub fn error_after(&self, steps: usize) -> f32 {
         steps.min(self.len()).checked_sub(1).map_or(0.0, |last| self.max_error[last])
     }
 
-    /// The part of [`error_after`](CollapseSequence::error_after) that is the surface's, object units.
+    /// Returns the surface's part of [`error_after`](CollapseSequence::error_after), object units.
     pub fn surface_error_after(&self, steps: usize) -> f32 {
         let last = steps.min(self.len()).checked_sub(1);
         let known = last.and_then(|last| self.surface_error.get(last).copied());
         known.unwrap_or_else(|| self.error_after(steps))
     }
 
-    /// The part of [`error_after`](CollapseSequence::error_after) that is that of curves, object units: borders,
-    /// non-manifold edges, seams, borders between materials, and creases. See [`Simplifier`](super::Simplifier). 0 for
-    /// a sequence that was not made by one.
+    /// Returns the curves' part of [`error_after`](CollapseSequence::error_after), object units. Curves are borders,
+    /// non-manifold edges, seams, borders between materials, and creases; see [`Simplifier`](super::Simplifier). 0 for
+    /// a sequence not made by a simplifier.
     pub fn curve_error_after(&self, steps: usize) -> f32 {
         let last = steps.min(self.len()).checked_sub(1);
         last.and_then(|last| self.curve_error.get(last).copied()).unwrap_or(0.0)
     }
 
-    /// Triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
+    /// Number of triangles left after `steps` steps (all, if there are fewer); degenerate input triangles do not count.
     pub fn triangles_after(&self, steps: usize) -> usize {
         self.triangles_after[steps.min(self.len())] as usize
     }
 
-    /// Steps done at the end of each batch; linear order has one batch.
+    /// Steps done at the end of each batch; linear order has a single batch.
     pub fn batches(&self) -> &[u32] {
         &self.batch_end
     }
 
-    /// Per input triangle the number of steps after which it is gone: 0 where it is degenerate in the input,
-    /// `u32::MAX` where it stays in the base mesh.
+    /// Per input triangle the number of steps after which it is gone: 0 for degenerate input triangles, `u32::MAX` for
+    /// triangles of the base mesh.
     pub fn triangle_ends(&self) -> &[u32] {
         &self.triangle_end
     }
 
-    /// Fewest steps after which at most `triangles` are left, or all steps. O(log n).
+    /// Returns the fewest steps leaving at most `triangles` triangles, or all steps. O(log n).
     pub fn steps_for_triangles(&self, triangles: usize) -> usize {
         self.triangles_after.partition_point(|&left| left as usize > triangles).min(self.len())
     }
 
-    /// Most steps whose error bound is at most `error` object units. O(log n).
+    /// Returns the most steps with an error of at most `error` object units. O(log n).
     pub fn steps_for_error(&self, error: f32) -> usize {
         self.max_error.partition_point(|&e| e <= error)
     }
 
-    /// Where a vertex comes from. A number beyond the last vertex is given back as if it were the input's.
+    /// Returns the source of a vertex. A number beyond the last vertex is returned as an input vertex.
     pub fn origin(&self, vertex: u32) -> Origin {
         let new = vertex.checked_sub(self.input_vertices).and_then(|new| self.new_vertices.get(new as usize));
         new.map_or(Origin::Input(vertex), |&new| Origin::Blend(new))
     }
 
-    /// The vertex that stands for each vertex (input and new) after `steps` steps (all, if there are fewer).
-    /// O(vertices).
+    /// Returns the image of each vertex (input and new) after `steps` steps (all, if there are fewer). O(vertices).
     pub fn representatives(&self, steps: usize) -> Vec<u32> {
         let mut to: Vec<u32> = (0..self.vertex_count() as u32).collect();
         if steps > 0 {
@@ -239,9 +239,9 @@ impl CollapseSequence {
         to
     }
 
-    /// The triangles left after `steps` steps (all, if there are fewer), in input order, and the input triangle each is
-    /// the image of. After 0 steps, the input's own triangles verbatim (degenerate ones included). None of a mesh that
-    /// does not fit ([`CollapseSequence::fits`]).
+    /// Returns the triangles left after `steps` steps (all, if there are fewer), in input order, and the input triangle
+    /// of each. 0 steps return the input's triangles verbatim, degenerate triangles included. Empty for a mesh not
+    /// fitting the sequence ([`CollapseSequence::fits`]).
     pub fn triangles_at(&self, mesh: &Mesh, steps: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
         if !self.fits(mesh) {
             return (Vec::new(), Vec::new());
@@ -254,10 +254,11 @@ impl CollapseSequence {
         (image, origin)
     }
 
-    /// The level of detail after `steps` steps (all, if there are fewer) as a mesh of its own, with attributes,
-    /// materials and locks. Only vertices that a triangle uses are kept, in order of first use; after 0 steps the input
-    /// itself. Normals are recomputed or dropped as the report says; vertices between two smoothing groups are split then.
-    /// Of a mesh that does not fit ([`CollapseSequence::fits`]), an empty mesh. O(input).
+    /// Returns the level of detail after `steps` steps (all, if there are fewer) as a mesh with attributes, materials
+    /// and locks. Keeps only vertices used by triangles, in order of first use. 0 steps return the input, with all its
+    /// vertices. Normals are kept, dropped or, after 1 step or more, recomputed as the report says; recomputing splits
+    /// vertices between smoothing groups. Returns an empty mesh for a mesh not fitting the sequence
+    /// ([`CollapseSequence::fits`]). O(input).
     pub fn extract(&self, mesh: &Mesh, steps: usize) -> Mesh {
         if !self.fits(mesh) {
             return Mesh::default();
@@ -271,7 +272,7 @@ impl CollapseSequence {
         self.report.normals.finish(self.level(mesh, steps))
     }
 
-    /// A level with one vertex for each of the sequence's: before normals are recomputed. The mesh fits.
+    /// Returns a level before normals are recomputed: no vertex of the sequence is split. `mesh` must fit.
     fn level(&self, mesh: &Mesh, steps: usize) -> Mesh {
         let (mut triangles, origin) = self.triangles_at(mesh, steps);
         let mut number = vec![NONE; self.vertex_count()];
@@ -292,10 +293,10 @@ impl CollapseSequence {
         self.assemble(mesh, &used, triangles, materials)
     }
 
-    /// A level as [`extract`](CollapseSequence::extract) gives it, but with attributes that are fitted to the input: the
-    /// values that are closest to it over its whole surface, not only at the vertices that are kept. Positions and
-    /// triangles, labels, skin weights and locked vertices stay as they are, normals have unit length, and no value
-    /// leaves the range of those around it. The input itself after 0 steps. O(input).
+    /// Returns a level as [`extract`](CollapseSequence::extract) does, with attributes fitted to the input: least
+    /// squares over its whole surface, not only at the kept vertices. Positions, triangles, labels, skin weights and
+    /// locked vertices stay as they are, normals have unit length, and each value stays within the range of the values
+    /// around it. 0 steps return the input. O(input).
     ///
     /// ```
     /// use multires::{Simplifier, mesh::shapes};
@@ -318,9 +319,9 @@ impl CollapseSequence {
         self.report.normals.finish(level.with_attributes(attributes))
     }
 
-    /// What the attributes of a level are off by, each in its own unit. `level` is what
-    /// [`extract`](CollapseSequence::extract) or [`extract_fitted`](CollapseSequence::extract_fitted) gave for the same
-    /// mesh and number of steps; nothing is said of one that has other triangles. O(input).
+    /// Returns the deviations of a level's attributes from the input, each in its own unit. `level` is the result of
+    /// [`extract`](CollapseSequence::extract) or [`extract_fitted`](CollapseSequence::extract_fitted) for the same mesh
+    /// and number of steps. Returns nothing for a level with other triangles. O(input).
     pub fn attribute_deviations(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<AttributeDeviation> {
         if !self.fits(mesh) {
             return Vec::new();
@@ -328,7 +329,7 @@ impl CollapseSequence {
         if steps == 0 || self.report.normals == NormalsDone::Kept {
             return deviations(mesh, level, &self.places(mesh, steps, level));
         }
-        // Its vertices may be split, but its triangles are the same.
+        // The level's vertices may be split, but its triangles are unchanged.
         let places = self.places(mesh, steps, &self.level(mesh, steps));
         if places.is_empty() || level.triangles().len() != self.triangles_after(steps) {
             return Vec::new();
@@ -336,7 +337,7 @@ impl CollapseSequence {
         deviations(mesh, level, &places)
     }
 
-    /// Where the triangles of the input lie on a level; nowhere, if it is none of this sequence.
+    /// Returns the place of each input triangle on a level; empty for a level of another sequence.
     fn places(&self, mesh: &Mesh, steps: usize, level: &Mesh) -> Vec<Place> {
         let (triangles, origin) = self.triangles_at(mesh, steps);
         if triangles.len() != level.triangles().len() {
@@ -355,7 +356,7 @@ impl CollapseSequence {
         places
     }
 
-    /// Says in the report what the last step reached. O(input).
+    /// Fills the report with the state after the last step. O(input).
     pub(crate) fn fill_report(&mut self, mesh: &Mesh) {
         let steps = self.len();
         let to = self.representatives(steps);
@@ -373,7 +374,7 @@ impl CollapseSequence {
         self.report.curve_error = self.curve_error_after(steps);
     }
 
-    /// Takes the largest error so far from the errors of the steps.
+    /// Sets `max_error` to the running maximum of the step errors.
     pub(crate) fn accumulate_errors(&mut self) {
         let mut largest: f32 = 0.0;
         let so_far = self.step_error.iter().map(|&error| {
@@ -383,8 +384,8 @@ impl CollapseSequence {
         self.max_error = so_far.collect();
     }
 
-    /// Tells errors of surface and curves apart, from those of each step (as many as steps, or more); `parts` may be
-    /// empty where there are no curves.
+    /// Sets `surface_error` and `curve_error` to the running maxima of `parts`, `[surface, curve]` per step. `parts`
+    /// may be longer than steps, or empty where there are no curves.
     pub(crate) fn tell_apart(&mut self, parts: &[[f32; 2]]) {
         let steps = self.len();
         let largest = |part: usize| -> Vec<f32> {
@@ -399,7 +400,7 @@ impl CollapseSequence {
         self.curve_error = largest(1);
     }
 
-    /// A mesh of the given vertices of this sequence.
+    /// Builds a mesh of the given vertices of this sequence.
     pub(crate) fn assemble(
         &self,
         mesh: &Mesh,
@@ -428,7 +429,8 @@ impl CollapseSequence {
         Mesh::from_trusted(positions, triangles, attributes, materials, names, locks).at_origin_of(mesh)
     }
 
-    /// The attributes of the given vertices. New ones are blended in order of creation: each may be a source of later ones.
+    /// Returns the attributes of the given vertices. New vertices are blended in order of creation: each may be a
+    /// source of later vertices.
     fn attributes(&self, mesh: &Mesh, vertices: &[u32]) -> Vec<Attribute> {
         if self.new_vertices.is_empty() {
             return mesh.attributes().iter().map(|attribute| attribute.gather(vertices)).collect();

@@ -1,4 +1,4 @@
-//! A [`CollapseSequence`] from somebody else's simplifier: substitutions in, every table worked out and checked.
+//! Builds a [`CollapseSequence`] from another simplifier's substitutions. All tables are derived and checked.
 //!
 //! ```text
 //!     step 0: 7 -> 3          step 1: 4 -> 2, 9 -> 8 (both wedges of a seam)          step 2: ...
@@ -11,18 +11,18 @@ use super::report::{SimplifyReport, StopReason};
 use super::sequence_check::check_new_vertices;
 use super::{CollapseSequence, NewVertex};
 
-/// What is wrong with a sequence of collapses, or with the mesh it is put to.
+/// An inconsistency in a sequence of collapses, or between a sequence and a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {
     /// The sequence was made from another mesh, or its tables do not fit together.
     #[error("the sequence has {found} {what} where {expected} are needed")]
     Mismatch {
-        /// What was counted.
+        /// Counted elements.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many are needed.
+        /// Number needed.
         expected: usize,
     },
     /// A step ends before it starts.
@@ -31,24 +31,24 @@ pub enum SequenceError {
         /// Index of the step.
         step: usize,
     },
-    /// A batch ends before the one before it, or beyond the last step.
+    /// A batch ends before the previous batch, or beyond the last step.
     #[error("batch {batch} ends before it starts, or after the last step")]
     BatchOrder {
         /// Index of the batch.
         batch: usize,
     },
-    /// A step names a vertex that does not exist.
+    /// A step names a vertex out of range.
     #[error("step {step} names vertex {vertex}, but there are {vertices}")]
     VertexOutOfRange {
         /// Index of the step.
         step: usize,
         /// The vertex.
         vertex: u32,
-        /// How many vertices there are, new ones included.
+        /// Number of vertices, new vertices included.
         vertices: usize,
     },
-    /// A step substitutes a vertex, or puts one in another's place, that is not there: substituted earlier, folded into
-    /// its duplicate, or not made yet.
+    /// A step names a vertex not in the mesh at the time: substituted earlier, folded into its duplicate, or not made
+    /// yet.
     #[error("step {step} names vertex {vertex}, which is not in the mesh at that time")]
     NotLive {
         /// Index of the step.
@@ -64,8 +64,7 @@ pub enum SequenceError {
         /// The vertex.
         vertex: u32,
     },
-    /// An error bound is negative or not finite, or an accumulated one (or that reported for all steps) is not the
-    /// largest so far.
+    /// An error bound is negative or not finite, or an accumulated or reported error is not the largest so far.
     #[error(
         "step {step} has the error bound {error}, which is negative, not finite or not the largest so far"
     )]
@@ -75,62 +74,63 @@ pub enum SequenceError {
         /// The bound as given.
         error: f32,
     },
-    /// A new vertex lies at a non-finite position, blends with a weight outside 0 to 1, or blends vertices that are not
-    /// numbered below it.
+    /// A new vertex lies at a non-finite position, blends with a weight outside 0 to 1, or blends a vertex not numbered
+    /// below itself.
     #[error("new vertex {new} has a position that is not finite, a weight outside 0 to 1, or a later source")]
     BadNewVertex {
         /// Index among the new vertices.
         new: usize,
     },
-    /// A vertex is snapped twice, out of order, or to one that is snapped itself.
+    /// A vertex is snapped twice, out of order, or to a vertex snapped itself.
     #[error("vertex {vertex} is snapped twice, out of order, or to a vertex that is snapped itself")]
     Snap {
         /// The vertex.
         vertex: u32,
     },
-    /// A triangle vanishes with a step that does not exist.
+    /// A triangle vanishes with a step beyond the last.
     #[error("triangle {triangle} vanishes with step {end} of fewer")]
     TriangleEnd {
         /// Index of the triangle.
         triangle: usize,
-        /// The number of steps after which it is said to be gone.
+        /// Number of steps given as the triangle's end.
         end: u32,
     },
-    /// The triangles left are not those that have not vanished.
+    /// The number of triangles left differs from the number of triangles not vanished.
     #[error("after {steps} steps {found} triangles are said to be left, but {expected} have not vanished")]
     TriangleCount {
         /// The number of steps.
         steps: usize,
-        /// Triangles said to be left.
+        /// Number of triangles left, as given.
         found: usize,
-        /// Triangles that vanish later or never.
+        /// Number of triangles vanishing later or never.
         expected: usize,
     },
-    /// Normals are to be recomputed with a crease angle that is none.
+    /// The crease angle for recomputing normals is not within 0 to 180 degrees.
     #[error("the crease angle of recomputed normals is not 0 to 180 degrees")]
     BadCreases,
-    /// More steps or substitutions than can be numbered.
+    /// There are more steps, substitutions or moved corners than supported.
     #[error("there are more than {limit} substitutions")]
     TooMany {
-        /// How many are supported.
+        /// Maximum supported.
         limit: usize,
     },
 }
 
 impl CollapseSequence {
-    /// A sequence with endpoint placement from your own simplifier: per step the substitutions `[from, to]` of input
-    /// vertices and an error bound in object units (finite, not negative; a bound for the changed region, see
+    /// Builds a sequence with endpoint placement from your own simplifier. Each step holds substitutions `[from, to]`
+    /// of input vertices and an error bound in object units (finite, not negative; a bound for the changed region, see
     /// [`CollapseSequence::step_error`]).
     ///
-    /// A step at a seam lists one substitution per wedge, so that a structure never shows half of it. Vertices equal in
-    /// position and all attributes are folded into the lowest of them first ([`CollapseSequence::aliases`]); a
-    /// substitution may name any of them, and one that says the same again is dropped. Within a step the substitutions
-    /// take effect one after another. Any vertex may be put in any other's place.
+    /// A step at a seam lists a substitution per wedge, so no structure shows half a step. Vertices equal in position
+    /// and all attributes are first folded into the lowest of them ([`CollapseSequence::aliases`]). A substitution may
+    /// name any of them; repeated substitutions are dropped. Within a step substitutions take effect in order. Any
+    /// vertex may replace any other.
     ///
     /// The report says [`StopReason::NothingLegal`] without refusals. O((vertices + triangles) log vertices).
     ///
     /// # Errors
-    /// The first substitution of or by a vertex that is not in the mesh at that time, or the first bad error bound.
+    /// The first substitution naming a vertex not in the mesh at the time or replacing a vertex by itself, or the first
+    /// bad error bound; too many steps or substitutions.
     pub fn from_substitutions<S: AsRef<[[u32; 2]]>>(
         mesh: &Mesh,
         steps: impl IntoIterator<Item = (S, f32)>,
@@ -138,8 +138,8 @@ impl CollapseSequence {
         Self::from_collapses(mesh, &[], steps)
     }
 
-    /// The same for any placement: `new_vertices[i]` is numbered `mesh.positions().len() + i` and comes to be with the
-    /// first substitution that names it as a target.
+    /// Builds a sequence with any placement, as [`CollapseSequence::from_substitutions`] does. `new_vertices[i]` has
+    /// the number `mesh.positions().len() + i` and is made by the first substitution naming it as a target.
     ///
     /// # Errors
     /// As [`CollapseSequence::from_substitutions`], or the first bad new vertex.
@@ -176,7 +176,7 @@ impl CollapseSequence {
         sequence.finish(mesh)
     }
 
-    /// Appends a step; `place` holds for every input vertex where its substitution stands.
+    /// Appends a step. `place`: index of each input vertex's last substitution.
     fn push_step(
         &mut self,
         given: &[[u32; 2]],
@@ -193,7 +193,7 @@ impl CollapseSequence {
             if from == to {
                 return Err(SequenceError::SelfSubstitution { step, vertex: from });
             }
-            // New vertices are no input vertex's duplicate; what is out of range is refused when all is checked.
+            // New vertices have no duplicates in the input. Numbers out of range are refused by the final check.
             let [a, b] = [from, to].map(|v| wedge_of.get(v as usize).copied().unwrap_or(v));
             let before = place.get(a as usize).copied().filter(|&at| at != NONE && at >= start);
             let said = before.is_some_and(|at| self.substitutions[at as usize] == [a, b]);
@@ -213,7 +213,7 @@ impl CollapseSequence {
         Ok(())
     }
 
-    /// Works out when triangles vanish, and what is left.
+    /// Computes the end of each triangle, and the report.
     fn finish(mut self, mesh: &Mesh) -> Result<Self, SequenceError> {
         let collapse_forest = CollapseForest::new(mesh, &self)?;
         self.triangle_end = mesh.triangles().iter().map(|&t| collapse_forest.end(t)).collect();

@@ -1,4 +1,4 @@
-//! Every promise of a collapse sequence, checked, so that files are let in through here only.
+//! Checks all invariants of a collapse sequence. Files are let in through here only.
 //!
 //! ```text
 //!     vertex   7: 3->7  7->2               its last mention may take it away, and none but the last
@@ -6,22 +6,23 @@
 //!              \ mentions in order of time
 //! ```
 //!
-//! Mentions are sorted by vertex and time instead of being looked up by vertex: the memory used is then in proportion to
-//! what the sequence holds, and not to the number of vertices that it claims to have.
+//! Mentions are sorted by vertex and time, not looked up by vertex. Memory is then proportional to the entries of the
+//! sequence, not to the number of vertices it claims.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
 
 use super::{CollapseSequence, NewVertex, SequenceError};
 
 impl CollapseSequence {
-    /// Proves what every other call relies on: tables fit together, vertices are named only while they are there, error
-    /// bounds are finite and accumulate, and triangles are as many as vanish. O(n log n), n all entries.
+    /// Checks the invariants used by every other call: tables fit together, vertices are named only while present,
+    /// error bounds are finite and accumulate, and triangle counts match the vanished triangles. O(n log n), n all
+    /// entries.
     ///
-    /// Holds for whatever a [`Simplifier`](super::Simplifier) or [`CollapseSequence::from_collapses`] makes; files are
-    /// let in through it only. Whether triangles vanish when the sequence says so is for the mesh to tell, and left open.
+    /// Succeeds for every sequence made by a [`Simplifier`](super::Simplifier) or [`CollapseSequence::from_collapses`].
+    /// Files are let in through it only. Not checked, since it takes the mesh: triangles vanish at the steps given.
     ///
     /// # Errors
-    /// An element that breaks a promise.
+    /// An element violating an invariant.
     pub fn validate(&self) -> Result<(), SequenceError> {
         self.check_tables()?;
         self.check_mentions()?;
@@ -45,7 +46,7 @@ impl CollapseSequence {
         }
     }
 
-    /// What indexing relies on: lengths, and the order of starts, errors and batches.
+    /// Checks the requirements of indexing: lengths, and the order of starts, errors and batches.
     pub(super) fn check_tables(&self) -> Result<(), SequenceError> {
         let steps = self.step_error.len();
         expect_most("input vertices", self.input_vertices as usize, MAX_ELEMENTS)?;
@@ -75,7 +76,7 @@ impl CollapseSequence {
             expect("curve errors", self.curve_error.len(), steps)?;
             let (mut before, errors) = ([0.0; 2], self.surface_error.iter().zip(&self.curve_error));
             for (step, (now, &largest)) in errors.map(|(&s, &c)| [s, c]).zip(&self.max_error).enumerate() {
-                // Also refuses what is no number.
+                // Also refuses NaN.
                 if !(now[0] >= before[0] && now[1] >= before[1] && now[0].max(now[1]) == largest) {
                     let wrong = usize::from(now[0] >= before[0] && now[0] <= largest);
                     return Err(SequenceError::BadError { step, error: now[wrong] });
@@ -95,7 +96,7 @@ impl CollapseSequence {
         Ok(())
     }
 
-    /// Whether snapped vertices are the input's, ascending, and those that they go to stay where they are.
+    /// Checks snapped vertices: input vertices, ascending, with targets not snapped themselves.
     fn check_snaps(&self) -> Result<(), SequenceError> {
         let vertices = self.input_vertices as usize;
         let mut before = None;
@@ -112,12 +113,13 @@ impl CollapseSequence {
         Ok(())
     }
 
-    /// Whether every vertex is there when it is named. See the top of this file.
+    /// Checks each mention of a vertex: the vertex must be present at the time. See the top of this file.
     fn check_mentions(&self) -> Result<(), SequenceError> {
         let inputs = self.input_vertices as usize;
         let vertices = self.vertex_count();
         let aliases = self.aliases.len();
-        // Each takes one vertex away; so places in the two lists together leave a bit of 32 for what happens.
+        // Each entry takes a vertex away, so an index into both lists fits 31 bits. The last bit of 32 tells the kind
+        // of mention.
         expect_most("vertices taken away", aliases + self.substitutions.len(), vertices)?;
         let step_of = |place: usize| match place.checked_sub(aliases) {
             Some(at) => self.step_start.partition_point(|&start| start as usize <= at) - 1,
@@ -155,7 +157,7 @@ impl CollapseSequence {
         Ok(())
     }
 
-    /// Whether the triangles left are those that have not vanished yet.
+    /// Checks the numbers of triangles left against the triangles not vanished yet.
     fn check_triangles(&self) -> Result<(), SequenceError> {
         let steps = self.len();
         expect("triangle counts", self.triangles_after.len(), steps + 1)?;
@@ -169,7 +171,7 @@ impl CollapseSequence {
             }
             left += u32::from(end != 0);
         }
-        // Those that vanish before the first step were never counted.
+        // Triangles gone before the first step (degenerate) were never counted.
         vanish[0] = 0;
         for (steps, (&count, &gone)) in self.triangles_after.iter().zip(&vanish).enumerate() {
             left -= gone;
@@ -182,7 +184,7 @@ impl CollapseSequence {
     }
 }
 
-/// Whether positions are finite, weights are shares, and sources come earlier.
+/// Checks new vertices: finite positions, weights 0 to 1, and sources with lower numbers.
 pub(super) fn check_new_vertices(inputs: usize, vertices: &[NewVertex]) -> Result<(), SequenceError> {
     for (new, vertex) in vertices.iter().enumerate() {
         let blends = vertex.from.iter().all(|&v| (v as usize) < inputs + new);
@@ -202,7 +204,7 @@ fn expect_most(what: &'static str, found: usize, most: usize) -> Result<(), Sequ
     expect(what, found, found.min(most))
 }
 
-/// What comes out of a file.
+/// Deserialised fields, not validated yet.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 pub(super) struct Parts {

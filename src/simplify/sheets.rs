@@ -1,4 +1,4 @@
-//! Sheets: triangles over the same three points, which are simplified as one and given back one by one.
+//! Sheets: triangles over the same three points, simplified as a single triangle and given back separately.
 //!
 //! ```text
 //!        front  a b c   material 0, wedges 0 1 2     leader: the one triangle that stars know
@@ -7,26 +7,26 @@
 //!                                                    follower: every triangle but the leader; it dies with the leader
 //! ```
 //!
-//! Foliage, cloth and many exported buildings hold every triangle twice, once for each side. With four triangles at every
-//! edge nothing of such a mesh would be manifold. As one sheet it is a surface like any other: rules, metrics and errors see
-//! each leader once. Edges are compared layer by layer, the front with the front and the back with the back.
+//! Foliage, cloth and many exported buildings hold each triangle twice, once per side. With four triangles at each
+//! edge, such a mesh is manifold nowhere. As sheets it is an ordinary surface: oracles, metrics and errors see each
+//! leader once. Edges are compared layer by layer, front with front and back with back.
 
 use crate::mesh::{Edges, NONE};
 
 use super::classify::kind;
 
-/// Most different triangles of a sheet. Triangles over the same points that differ in more ways are left apart.
+/// Most different triangles of a sheet. Triangles over the same points are left apart where more of them differ.
 const MOST_LAYERS: usize = 8;
 
-/// One triangle of a sheet, at the leader's corners.
+/// A triangle of a sheet, seen at the leader's corners.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Layer {
-    /// The lowest triangle that carries this.
+    /// Lowest triangle with these vertices, material and winding.
     pub triangle: u32,
     /// The vertices at the leader's corners, in the leader's order.
     pub vertices: [u32; 3],
     pub material: u32,
-    /// Whether it is wound the other way than the leader.
+    /// True if wound opposite to the leader.
     pub opposite: bool,
 }
 
@@ -36,21 +36,21 @@ impl Layer {
     }
 }
 
-/// Who lies on whom. Empty where no two triangles coincide.
+/// Leaders and their followers. Empty where no two triangles coincide.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sheets {
-    /// Start of every leader's followers; one more than triangles.
+    /// Start of each triangle's followers; length triangles + 1.
     start: Vec<u32>,
     followers: Vec<u32>,
-    /// Of each follower what it carries. Those that differ from all before them come first.
+    /// Layer of each follower. Per leader, layers different from all before them come first.
     layers: Vec<Layer>,
-    /// How many followers of each leader differ from it and from each other.
+    /// Per triangle, number of followers different from it and from each other.
     different: Vec<u8>,
 }
 
 impl Sheets {
-    /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n), plus O(k log k) for k
-    /// that coincide or share a bit of their hash with another, about one in ten.
+    /// Finds the sheets. Followers' corners in `triangles` become `NONE`. O(n + k log k), k: triangles sharing a bit of
+    /// their hash with another; about 10 % of n where none coincide.
     pub fn new(
         triangles: &mut [[u32; 3]],
         vertices: impl Fn(u32) -> [u32; 3],
@@ -62,7 +62,7 @@ impl Sheets {
             return Self::default();
         }
         let layer = |leader: u32, of: u32| layer(triangles, leader, of, &vertices, &material);
-        // Members of each group: one of each kind, then repetitions; none where there are too many kinds.
+        // Members of each group: first a member of each kind, then repetitions. Groups of too many kinds are left out.
         let mut ordered: Vec<u32> = Vec::with_capacity(groups.members.len());
         let mut spans: Vec<[usize; 3]> = Vec::new();
         let mut kinds: Vec<Layer> = Vec::new();
@@ -88,7 +88,7 @@ impl Sheets {
             }
         }
 
-        // Leaders wound as their neighbours are.
+        // Choose leaders wound like their neighbours.
         let is_opposite = |[first, _, _]: [usize; 3], i: usize| layer(ordered[first], ordered[i]).opposite;
         let other_way = |&span: &[usize; 3]| (span[0]..span[1]).find(|&i| is_opposite(span, i));
         let others: Vec<Option<usize>> = spans.iter().map(other_way).collect();
@@ -132,24 +132,24 @@ impl Sheets {
         sheets
     }
 
-    /// Whether no two triangles coincide.
+    /// Returns true if no two triangles coincide.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.start.is_empty()
     }
 
-    /// How many triangles follow another.
+    /// Number of followers.
     pub fn count(&self) -> usize {
         self.followers.len()
     }
 
-    /// The triangles that die with a triangle; none for one that follows another.
+    /// Returns the followers of `leader`, which die with it; empty for a follower.
     #[inline]
     pub fn followers(&self, leader: u32) -> &[u32] {
         &self.followers[self.span(leader)]
     }
 
-    /// What the followers of a triangle carry, where that differs from the leader's and each other's.
+    /// Returns the followers' layers different from the leader's and from each other.
     #[inline]
     pub fn layers(&self, leader: u32) -> &[Layer] {
         match self.different.get(leader as usize) {
@@ -158,7 +158,7 @@ impl Sheets {
         }
     }
 
-    /// Replaces the followers' vertices at one of their leader's corners.
+    /// Maps the followers' vertices at a corner of their leader.
     pub fn replace(&mut self, leader: u32, slot: usize, mut map: impl FnMut(u32) -> u32) {
         let Some(&count) = self.different.get(leader as usize) else { return };
         for layer in &mut self.layers[self.start[leader as usize] as usize..][..count as usize] {
@@ -175,7 +175,7 @@ impl Sheets {
     }
 }
 
-/// What a triangle of a sheet carries at the leader's corners.
+/// Returns the layer of triangle `of` at the leader's corners.
 fn layer(
     triangles: &[[u32; 3]],
     leader: u32,
@@ -201,7 +201,7 @@ struct Groups {
 }
 
 impl Groups {
-    /// What shares a bit of its hash with another is sorted, about one in ten where no triangles coincide.
+    /// Sorts only triangles sharing a bit of their hash with another: about 10 % where no triangles coincide.
     fn new(triangles: &[[u32; 3]]) -> Self {
         // Lowest, highest and middle point.
         let key = |&[a, b, c]: &[u32; 3]| {
@@ -244,8 +244,8 @@ impl Groups {
     }
 }
 
-/// Which of the triangles that are free to be wound either way must be turned to be wound as their neighbours. Those that
-/// are not free say how; without any, the lowest does.
+/// Returns the triangles to turn: free triangles (which may be wound either way) must be wound like their
+/// neighbours. Other triangles fix the winding. A component without any follows its lowest triangle.
 fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
     let mut turned = vec![false; triangles.len()];
     if !free.contains(&true) {
@@ -253,7 +253,7 @@ fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
     }
     let edges = Edges::new(triangles, points);
     let edge_of = edges.of_half_edges(triangles.len());
-    // The triangle across an edge of two, and whether both run along it the same way.
+    // The other triangle at an edge of two, and true if both run along the edge in the same direction.
     let across = |triangle: u32, edge: u32| match edges.half_edges(edge) {
         &[a, b] => {
             let (a, b) = (a / 3, b / 3);
@@ -292,16 +292,17 @@ fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
     turned
 }
 
-/// An edge of one layer: whether it runs from the first end to the second, its vertices there, and its material.
+/// An edge of a layer: true if it runs from the first end to the second, its vertices at the ends, and its material.
 pub(super) type LayerEdge = (bool, [u32; 2], u32);
 
-/// What an edge between two sheets is, as `kind` bits: a seam or material border where the layers on one side of it do not
-/// go on beyond it. `before` and `beyond` are the layers' edges on either side, from the same end.
+/// Classifies an edge between two sheets, as `kind` bits: a seam or material border where a layer on either side does
+/// not continue on the other. `before` and `beyond`: edges of the layers on either side, from the same end.
 pub(super) fn edge_between(
     before: impl Iterator<Item = LayerEdge> + Clone,
     beyond: impl Iterator<Item = LayerEdge> + Clone,
 ) -> u16 {
-    // A layer goes on in one that runs the other way. Where each side has one direction only they may clash.
+    // A layer continues in a layer running the other way along the edge. Where each side has a single direction, the
+    // directions may clash.
     let ways_differ = !(runs_one_way(before.clone()) && runs_one_way(beyond.clone()));
     let differ = |wedges: bool, materials: bool| {
         let go_on = |a: LayerEdge, b: LayerEdge| {

@@ -1,4 +1,4 @@
-//! The front door: options, and one call that makes the sequence.
+//! The simplifier: its options, and a single call making the sequence.
 
 use std::ops::ControlFlow;
 
@@ -21,34 +21,35 @@ use super::sequence::CollapseSequence;
 /// coordinates and colours count where the mesh has them.
 ///
 /// # The error
-/// The error of each step, in object units, is the larger of two that are measured, to within the rounding of single
-/// precision:
+/// The error of each step, in object units, is the larger of two measured errors. Both are bounds up to
+/// single-precision rounding:
 ///
-/// - *No vertex that the input's triangles use is farther from the level's surface than*
-///   [`surface_error_after`](CollapseSequence::surface_error_after) says. Every merged point is kept on the part of the
-///   surface it lies over, and its distance is taken whenever that part changes.
-/// - *No vertex on a curve of the input is farther from the level's curve, and no point measured along an edge of that
-///   farther from the input's, than* [`curve_error_after`](CollapseSequence::curve_error_after) says. Curves are borders,
-///   non-manifold edges, borders between materials, seams, and creases of more than 41.4 degrees where they draw the
-///   outline of a made thing rather than the relief of a scan. The level's curve is the image of the input's, so a hole
-///   that shrinks, a rim that is cut off and an island that vanishes are told by it, also on a flat face, where the
-///   surface tells nothing. A curve that shrinks to a point counts with its distance from there.
+/// - [`surface_error_after`](CollapseSequence::surface_error_after): *the largest distance from an input vertex used by
+///   triangles to the level's surface*. Each merged point is tracked on the part of the surface it lies over. Its
+///   distance is measured whenever this part changes.
+/// - [`curve_error_after`](CollapseSequence::curve_error_after): *the largest distance from a vertex on a curve of the
+///   input to the level's curve, and from a point measured along an edge of the level's curve to the input's curve*.
+///   Curves are borders, non-manifold edges, borders between materials, seams, and creases of more than 41.4 degrees
+///   where they outline a made object, not the relief of a scan. The level's curve is the image of the input's curve.
+///   The curve error therefore counts shrinking holes, cut rims and vanishing islands, even on a flat face, where the
+///   surface error is 0. A curve shrunk to a point counts with its distance from the point.
 ///
-/// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. What is
-/// at most a few units in the last place of the coordinates (2^-21 of the size of the mesh, rounded to a power of two)
-/// counts as 0: an error of 0 takes away what is redundant, and nothing else. Points on borders that nothing but rounding
-/// parts ([`Tolerances::position`]) are one place from the start. Other measures: [`ErrorMeasure`].
+/// [`error_after`](CollapseSequence::error_after) is the larger of both and never decreases along the sequence. Errors
+/// of at most a few units in the last place of the coordinates (2^-21 of the size of the mesh, rounded to a power of
+/// two) count as 0: a target error of 0 removes redundant geometry only. Border points separated by nothing but
+/// rounding ([`Tolerances::position`]) coincide from the start. Other measures: [`ErrorMeasure`].
 ///
-/// Next to curves, and everywhere once one triangle in 16 is left or 4096, places on new triangles are held against the
-/// input too, so that a large triangle that spans a hollow counts; on finer levels nothing is claimed between the vertices
-/// of the input, nor of the level's surface. By samples, the two-sided maximum is mostly within 10 % of the error
-/// (`docs/performance.md` in the repository has the table).
+/// Next to curves, and everywhere on levels of at most 4096 triangles or 1/16 of the input, places on new triangles are
+/// also measured against the input, so a large triangle spanning a hollow counts. On finer levels nothing is claimed
+/// between the vertices of the input or of the level's surface. By samples, the two-sided maximum is mostly within 10 %
+/// of the error (`docs/performance.md` in the repository has the table).
 ///
 /// # Determinism
-/// The same mesh and options give the same bytes, whatever the number of threads and with or without `parallel`.
+/// Equal mesh and options give equal bytes, for any number of threads, with or without `parallel`.
 ///
 /// # Cost
-/// O(n) expected time for bounded valence, and O(n log n) for measuring the error; around 200 bytes a point while it runs.
+/// O(n) expected time for bounded valence, and O(n log n) for measuring the error; about 200 bytes per point while
+/// running.
 pub struct Simplifier<M = Quadric> {
     metric: M,
     oracles: Vec<Box<dyn Oracle>>,
@@ -56,7 +57,7 @@ pub struct Simplifier<M = Quadric> {
     settings: Settings,
 }
 
-/// Everything that can be set besides metric, oracles and targets.
+/// All settings except metric, oracles and targets.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Settings {
     pub placement: Placement,
@@ -84,8 +85,8 @@ impl Settings {
         Ok(())
     }
 
-    /// What is to be done with the normals of a mesh: where they are to steer collapses, or all levels are made, they are not
-    /// recomputed unless asked for.
+    /// Returns the treatment of a mesh's normals. [`Normals::Automatic`] keeps normals where they steer collapses
+    /// (chosen weights), or where all levels are made; otherwise it decides by the mesh.
     fn normals(&self, mesh: &Mesh, all_levels: bool) -> Result<NormalsDone, OptionError> {
         let steer = match &self.attributes {
             AttributeWeights::Chosen(list) => list.iter().any(|(name, _)| name == names::NORMAL),
@@ -105,7 +106,7 @@ impl Default for Simplifier {
 }
 
 impl Simplifier {
-    /// A simplifier with the defaults.
+    /// Creates a simplifier with the defaults.
     pub fn new() -> Self {
         Self {
             metric: Quadric::new(),
@@ -117,46 +118,46 @@ impl Simplifier {
 }
 
 impl<M: ErrorMetric> Simplifier<M> {
-    /// What a collapse costs. Default: [`Quadric`].
+    /// Sets the cost of a collapse. Default: [`Quadric`].
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Simplifier<N> {
         let Self { oracles, targets, settings, .. } = self;
         Simplifier { metric, oracles, targets, settings }
     }
 
-    /// Where the merged vertex goes. Default: [`Placement::Endpoint`].
+    /// Sets the position of merged vertices. Default: [`Placement::Endpoint`].
     #[must_use]
     pub fn placement(mut self, placement: Placement) -> Self {
         self.settings.placement = placement;
         self
     }
 
-    /// In which order collapses are done. Default: [`Order::Linear`].
+    /// Sets the order of collapses. Default: [`Order::Linear`].
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
         self.settings.order = order;
         self
     }
 
-    /// What the error of a step is. Default: [`ErrorMeasure::Measured`].
+    /// Sets the measure of a step's error. Default: [`ErrorMeasure::Measured`].
     #[must_use]
     pub fn error_measure(mut self, measure: ErrorMeasure) -> Self {
         self.settings.measure = measure;
         self
     }
 
-    /// Whether seams, creases, material borders and the topology may give, and when. Default: [`Permissive::Auto`], before a size is
-    /// missed.
+    /// Sets whether and when seams, creases, material borders and the topology may be given up. Default:
+    /// [`Permissive::Auto`], only where a target size would be missed otherwise.
     #[must_use]
     pub fn permissive(mut self, permissive: Permissive) -> Self {
         self.settings.permissive = permissive;
         self
     }
 
-    /// One more rule, asked after those already there.
+    /// Adds an oracle, asked after all present oracles, or in place of the present oracle of equal name.
     #[must_use]
     pub fn oracle(mut self, oracle: impl Oracle + 'static) -> Self {
-        // A rule of the same name takes the old one's place.
+        // An oracle of equal name replaces the old oracle.
         match self.oracles.iter().position(|o| o.name() == oracle.name()) {
             Some(at) => self.oracles[at] = Box::new(oracle),
             None => self.oracles.push(Box::new(oracle)),
@@ -164,34 +165,34 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// These rules instead of the default ones.
+    /// Replaces all oracles, defaults included.
     #[must_use]
     pub fn oracles(mut self, oracles: Vec<Box<dyn Oracle>>) -> Self {
         self.oracles = oracles;
         self
     }
 
-    /// One more target; the first one reached stops. Default: none, down to the base mesh.
+    /// Adds a target; the first target reached stops the run. Default: no target, down to the base mesh.
     #[must_use]
     pub fn target(mut self, target: Target) -> Self {
         self.targets.push(target);
         self
     }
 
-    /// Lets separate parts grow together when they are at most this far apart (object units). Default 0: never.
+    /// Lets separate parts join across at most this distance (object units). Default 0: never.
     ///
-    /// With [`Parts::Vanish`] a corner of the nearest kin moves to the far end of a part that vanishes, where that is within
-    /// this distance, so that less of what was covered is lost. With [`Parts::Keep`] points of different parts may be merged
-    /// (vertex pairs, TOM 4.1): every point has the eight nearest of other parts, found anew whenever it takes in another; about
-    /// parts that were joined, rules that keep the topology are not asked ([`Oracle::keeps_topology`]).
+    /// With [`Parts::Vanish`], a corner of the nearest kin moves to the far end of a vanishing part, where this end is
+    /// within the distance, so less coverage is lost. With [`Parts::Keep`], points of different parts may be merged
+    /// (vertex pairs, TOM 4.1). Each point is paired with the eight nearest points of other parts, found anew after
+    /// each merge into it. About joined parts, oracles keeping the topology are not asked ([`Oracle::keeps_topology`]).
     #[must_use]
     pub fn join_distance(mut self, distance: f32) -> Self {
         self.settings.join_distance = distance;
         self
     }
 
-    /// Up to which differences vertices at one point are one wedge, so that noise makes no seams. Default: one step of
-    /// 16-bit storage ([`Tolerances::default`]). Nearly equal vertices are folded into one before the first step
+    /// Sets the largest differences between vertices of a single wedge at a point, so noise makes no seams. Default: 1
+    /// step of 16-bit storage ([`Tolerances::default`]). Nearly equal vertices are folded before the first step
     /// ([`CollapseSequence::aliases`]).
     #[must_use]
     pub fn tolerances(mut self, tolerances: Tolerances) -> Self {
@@ -199,30 +200,30 @@ impl<M: ErrorMetric> Simplifier<M> {
         self
     }
 
-    /// Whether collapses are refused that would ruin the shape. Default: [`Guard::On`].
+    /// Sets whether collapses ruining the shape are refused. Default: [`Guard::On`].
     #[must_use]
     pub fn guard(mut self, guard: Guard) -> Self {
         self.settings.guard = guard;
         self
     }
 
-    /// What becomes of normals. Default: [`Normals::Automatic`].
+    /// Sets the treatment of normals. Default: [`Normals::Automatic`].
     #[must_use]
     pub fn normals(mut self, normals: Normals) -> Self {
         self.settings.normals = normals;
         self
     }
 
-    /// Whether separate parts vanish as a whole when that is the cheapest step. Default: [`Parts::Vanish`].
+    /// Sets whether a separate part vanishes as a whole when this is the cheapest step. Default: [`Parts::Vanish`].
     #[must_use]
     pub fn parts(mut self, parts: Parts) -> Self {
         self.settings.parts = parts;
         self
     }
 
-    /// Which attributes count in what collapses cost. Default: [`AttributeWeights::Customary`], normals, texture
-    /// coordinates and colours where the mesh has them. A metric that counts attributes by itself
-    /// ([`WithAttributes`]) is left as it is.
+    /// Sets the attributes counted in the cost of collapses. Default: [`AttributeWeights::Customary`], normals, texture
+    /// coordinates and colours where the mesh has them. A metric counting attributes by itself ([`WithAttributes`]) is
+    /// left as it is.
     #[must_use]
     pub fn attributes(mut self, weights: AttributeWeights) -> Self {
         self.settings.attributes = weights;
@@ -232,16 +233,16 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// Simplifies a mesh.
     ///
     /// # Errors
-    /// An option outside its range, an attribute that the mesh does not have. Any mesh is legal.
+    /// An option outside its range, an attribute missing in the mesh. Any mesh is legal.
     pub fn run(&mut self, mesh: &Mesh) -> Result<CollapseSequence, OptionError> {
         self.run_with(mesh, |_| ControlFlow::Continue(()))
     }
 
-    /// Simplifies a mesh and tells how far it is every few thousand steps. Where `progress` breaks, the sequence ends
-    /// there and is usable up to there.
+    /// Simplifies a mesh and reports progress every few thousand steps. Where `progress` breaks, the sequence ends; it
+    /// is usable up to there.
     ///
     /// # Errors
-    /// An option outside its range, an attribute that the mesh does not have.
+    /// An option outside its range, an attribute missing in the mesh.
     pub fn run_with(
         &mut self,
         mesh: &Mesh,

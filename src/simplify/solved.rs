@@ -1,4 +1,4 @@
-//! Values of the vertices that collapses made: those that fit the surface each of them stands for.
+//! Attribute values of new vertices, fitted to the surface merged into each.
 //!
 //! ```text
 //!   on an input triangle an attribute is linear:      s(x) = s_w + g . (x - p_w)
@@ -6,8 +6,10 @@
 //!   its best value:                                   sum of area * (s_w + g . (x - p_w))  /  sum of area
 //! ```
 //!
-//! That is the value of least squared deviation (Hoppe 1999). Vertices of one place and value are solved as one, so that a
-//! seam of one attribute does not become a seam of another; all others apart, so charts stay apart. It is kept within the range of the triangles that it is a mean of: where `x` lies off the surface, slopes reach too far.
+//! This value has the least squared deviation (Hoppe 1999). Vertices of equal position and value are solved together,
+//! so a seam of an attribute does not become a seam of another. All other vertices are solved separately, so charts
+//! stay apart. The value is clamped to the range of the triangles it averages: where `x` lies off the surface, slopes
+//! reach too far.
 
 use glam::DVec3;
 
@@ -16,14 +18,14 @@ use crate::mesh::{Attribute, Mesh, Topology, names};
 use super::footprint::parts;
 use super::sequence::CollapseSequence;
 
-/// Thinnest triangle (height over length) whose slope is trusted; on thinner ones values count as constant.
+/// Least height over length of a triangle with a trusted slope. On thinner triangles values count as constant.
 const THINNEST: f64 = 1e-5;
 
-/// Wedges of one point that are looked through for equal ones; of points with more, not all are found.
+/// Wedges of a point searched for equal wedges; at points with more wedges, not all equal wedges are found.
 const FEW: usize = 16;
 
-/// Gives the new ones among `vertices`, whose rows `attributes` are in that order, the values that fit best. Only
-/// attributes that the sequence counted; tangents follow their normals. O(input + substitutions) an attribute.
+/// Gives new vertices among `vertices` their best-fitting values. Row `i` of `attributes` belongs to `vertices[i]`.
+/// Only attributes counted by the sequence; tangents follow their normals. O(input + substitutions) per attribute.
 pub(super) fn solve_new(
     sequence: &CollapseSequence,
     mesh: &Mesh,
@@ -35,7 +37,7 @@ pub(super) fn solve_new(
         return;
     }
     let topology = Topology::new(mesh);
-    // A vertex that stands for a part that vanished is nothing of it.
+    // A vertex replacing a vanished part takes nothing of its values.
     let mut part = if sequence.report().parts_removed > 0 { parts(mesh) } else { Vec::new() };
     for new in sequence.new_vertices().iter().filter(|_| sequence.report().parts_removed > 0) {
         part.push(part[new.from[0] as usize]);
@@ -46,12 +48,12 @@ pub(super) fn solve_new(
         if !is_solved(source) && !is_tangent(source) {
             continue;
         }
-        // A tangent's handedness is no number to fit.
+        // A tangent's handedness is not fitted.
         let fitted = if is_tangent(source) { 3 } else { source.width() };
         let Some(values) = source.as_floats() else { continue };
         let width = source.width();
         let mut class = topology.equal_values(source);
-        // What is nearly equal was folded: it tells of the same values.
+        // Nearly equal vertices were folded, so they share a class.
         for &[duplicate, kept] in sequence.aliases() {
             class[duplicate as usize] = class[kept as usize];
         }
@@ -76,7 +78,7 @@ pub(super) fn solve_new(
     straighten_tangents(attributes, |row| vertices[row] >= first);
 }
 
-/// Brings one row back to unit length, where it is a direction.
+/// Normalises a row to unit length, if the attribute is a direction.
 pub(super) fn normalise(attribute: &mut Attribute, row: usize) {
     let width = attribute.width();
     let mut value = [0.0; 16];
@@ -88,7 +90,8 @@ pub(super) fn normalise(attribute: &mut Attribute, row: usize) {
     }
 }
 
-/// Makes the tangents of some rows unit vectors at right angles to their normals; one along its normal stays as it is.
+/// Makes the tangents of wanted rows unit vectors at right angles to their normals. A tangent along its normal stays as
+/// it is.
 pub(super) fn straighten_tangents(attributes: &mut [Attribute], is_wanted: impl Fn(usize) -> bool) {
     let find = |name: &str, width: usize| {
         attributes.iter().position(|a| a.name() == name && a.width() == width && a.as_floats().is_some())
@@ -108,17 +111,18 @@ pub(super) fn straighten_tangents(attributes: &mut [Attribute], is_wanted: impl 
     }
 }
 
-/// What every vertex has taken in of one attribute.
+/// Sums of an attribute over the surface merged into each vertex.
 struct Sums {
-    /// Scalars that are fitted, per vertex.
+    /// Number of fitted scalars per vertex.
     width: usize,
-    /// Per vertex the lowest of its place and value, which the sums are kept for.
+    /// Lowest vertex of equal position and value, per vertex. The sums are kept there.
     class: Vec<u32>,
     areas: Vec<f64>,
     scalars: Vec<Scalar>,
 }
 
-/// Of one scalar: `offset + slope . x` is the sum of area times value at `x`; and the range of the values.
+/// Sums of a scalar: `offset + slope . x` is the sum of area times value at `x`; `low` and `high` are the range of the
+/// values.
 #[derive(Clone, Copy)]
 struct Scalar {
     slope: DVec3,
@@ -128,7 +132,7 @@ struct Scalar {
 }
 
 impl Sums {
-    /// What the vertices of a mesh start with: the first `fitted` scalars of `width`.
+    /// Returns the initial sums of a mesh's vertices: of the first `fitted` of `width` scalars.
     fn new(mesh: &Mesh, values: &[f32], width: usize, fitted: usize, class: Vec<u32>) -> Self {
         let count = class.len();
         let nothing = Scalar { slope: DVec3::ZERO, offset: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
@@ -157,7 +161,7 @@ impl Sums {
         sums
     }
 
-    /// Lets a vertex take in another.
+    /// Adds the sums of `from` to the sums of `to`.
     fn pass(&mut self, [from, to]: [u32; 2]) {
         let (from, to) = (from as usize, to as usize);
         self.areas[to] += self.areas[from];
@@ -171,15 +175,15 @@ impl Sums {
         }
     }
 
-    /// The best value of one scalar of a vertex at a place; not a number where nothing says what it is.
+    /// Returns the best value of a vertex's scalar at `x`; NaN where undetermined.
     fn best(&self, vertex: usize, scalar: usize, x: DVec3) -> f32 {
         let sum = &self.scalars[vertex * self.width + scalar];
         let value = ((sum.offset + sum.slope.dot(x)) / self.areas[vertex]) as f32;
         if value.is_finite() && sum.low <= sum.high { value.clamp(sum.low, sum.high) } else { f32::NAN }
     }
 
-    /// The values of all new vertices, each when the step that makes it is done: later it takes in more, where it is
-    /// kept.
+    /// Returns the values of all new vertices, each as of the end of the step making it. A vertex kept later takes in
+    /// more.
     fn solve(mut self, sequence: &CollapseSequence, part: &[u32]) -> Vec<f32> {
         let first = sequence.input_vertices();
         let mut solved = Vec::with_capacity(sequence.new_vertices().len() * self.width);
@@ -212,14 +216,14 @@ impl Sums {
             }
             next = reach;
         }
-        // Those that no step makes.
+        // New vertices made by no step.
         solved.resize(sequence.new_vertices().len() * self.width, f32::NAN);
         solved
     }
 }
 
-/// Twice the area of a triangle, and the two vectors that make a slope of differences of values along two sides; `None`
-/// without an area.
+/// Returns twice the area of triangle `p q r`, and the vectors `u` and `v` of the slope
+/// `(s_q - s_p) u + (s_r - s_p) v`; `None` without an area.
 pub(super) fn slopes(p: DVec3, q: DVec3, r: DVec3) -> Option<(f64, DVec3, DVec3)> {
     let (e, f) = (q - p, r - p);
     let cross = e.cross(f);

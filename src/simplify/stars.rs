@@ -1,6 +1,6 @@
-//! The corners around every point: a slice of one pool each, moved to the pool's end when it outgrows its place.
+//! The corners around each point: slices of a shared pool, each moved to the pool's end when it outgrows its place.
 //!
-//! An entry is the triangle's number times four and which of its corners the point is.
+//! An entry is `4 * triangle + slot`; `slot`: corner of the triangle at the point.
 
 use crate::mesh::NONE;
 
@@ -55,7 +55,7 @@ impl PointStars {
     pub fn remove(&mut self, point: u32, triangle: u32) {
         let Span { start, len, .. } = self.spans[point as usize];
         let star = &mut self.pool[start..start + len as usize];
-        // A triangle is there once.
+        // A triangle occurs once.
         let is_it = |entry: &u32| entry >> 2 == triangle;
         let mut from = 0;
         if star.len() > 64 {
@@ -74,7 +74,7 @@ impl PointStars {
     pub fn retain(&mut self, point: u32, keep: impl Fn(u32) -> bool) {
         let span = &mut self.spans[point as usize];
         let star = &mut self.pool[span.start..span.start + span.len as usize];
-        // Compaction without a branch on where it is.
+        // Branchless compaction: the place is unpredictable.
         let mut kept = 0;
         for i in 0..star.len() {
             let entry = star[i];
@@ -96,7 +96,7 @@ impl PointStars {
             let start = self.pool.len();
             self.pool.extend_from_within(span.start..end);
             self.pool.extend_from_slice(entries);
-            // Room in proportion, so that a hub that swallows its neighbours one by one is not copied each time.
+            // Room in proportion: a hub swallowing its neighbours is not copied each time.
             let room = if len < 32 { len + 2 } else { len + len / 2 };
             self.pool.resize(start + room as usize, 0);
             self.spans[point as usize] = Span { start, len, room };

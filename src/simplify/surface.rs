@@ -1,4 +1,4 @@
-//! The mesh while it is being simplified: points, triangles over points, and the star of every point.
+//! The mesh during simplification: points, triangles over points, and the star of every point.
 //!
 //! ```text
 //!          w2 ---- w1            star of u: one corner per triangle around it, in no order.
@@ -8,8 +8,8 @@
 //!          w4 ---- w5            collapse u -> v: the triangles with both die, in the others u becomes v
 //! ```
 //!
-//! Coordinates are centred and scaled by a power of two (both exact for the differences that matter), so a mesh far
-//! from the origin, very large or very small behaves as the same mesh near it.
+//! Coordinates are centred and scaled by a power of two (both exact for relevant differences). A mesh far from the
+//! origin, very large or very small therefore behaves like a mesh of size 1 near the origin.
 
 use glam::Vec3;
 
@@ -21,8 +21,8 @@ use super::sheets::{Layer, Sheets};
 use super::stars::PointStars;
 use super::wedge_values::WedgeValues;
 
-/// Object coordinates and back: `inner = (object - centre) * scale`, in double precision; `scale` is a power of two
-/// that brings the longest side of the mesh's box into [0.5, 1).
+/// Converts between object and inner coordinates: `inner = (object - centre) * scale`, in double precision. `scale` is
+/// the power of two bringing the longest side of the mesh's bounding box into [0.5, 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     centre: [f64; 3],
@@ -30,23 +30,23 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a mesh.
+    /// Returns the frame of a mesh.
     pub fn new(mesh: &Mesh) -> Self {
         let Some([low, high]) = mesh.bounds() else { return Self { centre: [0.0; 3], scale: 1.0 } };
         let side = (0..3).map(|i| f64::from(high[i]) - f64::from(low[i])).fold(0.0, f64::max);
         let centre = std::array::from_fn(|i| 0.5 * (f64::from(high[i]) + f64::from(low[i])));
-        // Exponent field only: exact, and the same on every platform.
+        // Exponent field only: exact, and equal on every platform.
         let exponent = (side.to_bits() >> 52) as i64 - 1023 + 1;
         let scale = if side > 0.0 { f64::from_bits(((1023 - exponent) as u64) << 52) } else { 1.0 };
         Self { centre, scale }
     }
 
-    /// A position in the inner frame.
+    /// Converts a position to the inner frame.
     pub fn inner(&self, object: [f32; 3]) -> [f32; 3] {
         std::array::from_fn(|i| ((f64::from(object[i]) - self.centre[i]) * self.scale) as f32)
     }
 
-    /// A position in object units, kept finite.
+    /// Converts a position to object units, clamped to finite values.
     pub fn object(&self, inner: [f32; 3]) -> [f32; 3] {
         std::array::from_fn(|i| {
             let x = f64::from(inner[i]) / self.scale + self.centre[i];
@@ -54,7 +54,7 @@ impl Frame {
         })
     }
 
-    /// A length in object units, rounded up.
+    /// Converts a length to object units, rounded up.
     pub fn object_length(&self, inner: f32) -> f32 {
         let exact = f64::from(inner) / self.scale;
         let rounded = exact.min(f64::from(f32::MAX)) as f32;
@@ -67,52 +67,52 @@ impl Frame {
     }
 }
 
-/// Most triangles of a mesh that is small: what lies between its points is worth a look, and costs milliseconds.
+/// Most triangles of a small mesh. Measuring it between its points is worthwhile, and costs milliseconds.
 const SMALL: usize = 4096;
-/// Levels of at most one in so many triangles are coarse.
+/// Levels of at most 1 in `COARSE` input triangles are coarse.
 const COARSE: usize = 16;
 
-/// One triangle as seen from a point: the point is its first corner.
+/// A triangle seen from a point: the point is its first corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Corner {
     /// The triangle (its number in the input).
     pub triangle: u32,
-    /// Which of its corners the point is.
+    /// The point's corner in the triangle, 0 to 2.
     pub slot: u8,
     /// The two other corners, in the triangle's order.
     pub others: [u32; 2],
 }
 
-/// The mesh while it is being simplified. Points, triangles and vertices keep the numbers of the input's
-/// [`Topology`]; removed ones are simply gone from every star.
+/// The mesh during simplification. Points, triangles and vertices keep the numbers of the input's [`Topology`]; removed
+/// triangles are in no star.
 #[derive(Debug, Clone)]
 pub struct WorkingSurface {
     frame: Frame,
     pub(super) positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// Current vertex at each corner; empty where every point has one wedge.
+    /// Current vertex at each corner; empty where each point has a single wedge.
     pub(super) corner_vertices: Vec<[u32; 3]>,
     /// Current vertex of each point (its lowest wedge where there are several).
     point_vertex: Vec<u32>,
     pub(super) materials: Vec<u32>,
     pub(super) kinds: Vec<u16>,
-    /// The kinds of edges that must stay edges.
+    /// Kinds of edges required to stay edges.
     pub(super) held: u16,
-    /// Values that tell wedges apart, where there are any.
+    /// Values distinguishing wedges; empty without any.
     pub(super) values: WedgeValues,
-    /// Whether a wedge that has nowhere to go may move along with its point, as a new vertex.
+    /// True if a wedge with nowhere to go may move along with its point, as a new vertex.
     pub(super) moves_wedges: bool,
     stars: PointStars,
     curves: Curves,
     sheets: Sheets,
     live: usize,
-    /// Those of the live triangles that follow another.
+    /// Number of live triangles following another.
     followers: usize,
     live_points: usize,
     pub(super) scratch: Scratch,
 }
 
-/// Marks and lists that checks and collapses use, so that nothing is allocated once warm.
+/// Marks and lists of checks and collapses, reused: nothing is allocated once warm.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     pub(super) moved: Vec<u32>,
@@ -123,8 +123,8 @@ pub(super) struct Scratch {
 }
 
 impl WorkingSurface {
-    /// The surface of a mesh. Triangles with two equal points are dead from the start; of those over the same three points
-    /// one leads and the others follow it. O(n).
+    /// Builds the surface of a mesh. Triangles with two equal points are dead from the start. Of triangles over the
+    /// same three points, a leader is chosen and the others follow it. O(n).
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
         let frame = Frame::new(mesh);
         let points = topology.point_count();
@@ -181,37 +181,37 @@ impl WorkingSurface {
         surface
     }
 
-    /// The frame that positions are in.
+    /// Returns the frame of the positions.
     pub fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    /// Number of points, removed ones included.
+    /// Number of points, removed points included.
     pub fn point_count(&self) -> usize {
         self.positions.len()
     }
 
-    /// Number of input triangles, dead ones included.
+    /// Number of input triangles, dead triangles included.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Triangles still alive, those that follow another included.
+    /// Number of live triangles, followers included.
     pub fn live_triangles(&self) -> usize {
         self.live
     }
 
-    /// Live triangles, those over the same three points counted once.
+    /// Number of live triangles; triangles over the same three points count once.
     pub(crate) fn live_sheets(&self) -> usize {
         self.live - self.followers
     }
 
-    /// Points that a live triangle uses.
+    /// Number of points used by live triangles.
     pub fn live_points(&self) -> usize {
         self.live_points
     }
 
-    /// The position of a point, inner frame.
+    /// Returns the position of a point, inner frame.
     pub fn position(&self, point: u32) -> [f32; 3] {
         self.positions[point as usize].into()
     }
@@ -221,13 +221,14 @@ impl WorkingSurface {
         self.positions[point as usize]
     }
 
-    /// The points of a triangle; `None` once it is dead, and for one that follows another over the same three points.
+    /// Returns the points of a triangle; `None` for a dead triangle, and for a follower of another triangle over the
+    /// same three points.
     pub fn triangle(&self, triangle: u32) -> Option<[u32; 3]> {
         let corners = self.triangles[triangle as usize];
         (corners[0] != NONE).then_some(corners)
     }
 
-    /// The vertices (wedges) at a triangle's corners; of use only while it is alive.
+    /// Returns the vertices (wedges) at a triangle's corners; meaningful only while the triangle is alive.
     #[inline]
     pub fn corner_vertices(&self, triangle: u32) -> [u32; 3] {
         match self.corner_vertices.get(triangle as usize) {
@@ -236,52 +237,52 @@ impl WorkingSurface {
         }
     }
 
-    /// Whether some point has several wedges.
+    /// Returns true if some point has several wedges.
     pub fn has_seams(&self) -> bool {
         !self.corner_vertices.is_empty()
     }
 
-    /// Whether triangles have materials.
+    /// Returns true if triangles have materials.
     pub(super) fn has_materials(&self) -> bool {
         !self.materials.is_empty()
     }
 
-    /// The vertex of a point that has one wedge.
+    /// Returns the vertex of a point with a single wedge.
     pub(crate) fn point_vertex(&self, point: u32) -> u32 {
         self.point_vertex[point as usize]
     }
 
-    /// The material of a triangle; 0 without materials.
+    /// Returns the material of a triangle; 0 without materials.
     #[inline]
     pub fn material(&self, triangle: u32) -> u32 {
         self.materials.get(triangle as usize).copied().unwrap_or(0)
     }
 
-    /// Whether there are triangles that follow another.
+    /// Returns true if some triangles follow another.
     #[inline]
     pub(crate) fn has_sheets(&self) -> bool {
         !self.sheets.is_empty()
     }
 
-    /// Whether a triangle is followed by others that carry something else.
+    /// Returns true if a triangle has followers with other vertices, material or winding.
     #[inline]
     pub(super) fn is_layered(&self, triangle: u32) -> bool {
         !self.sheets.layers(triangle).is_empty()
     }
 
-    /// The triangles that follow a triangle: those over the same three points, which die with it.
+    /// Returns the followers of a triangle: triangles over the same three points, which die with it.
     #[inline]
     pub(crate) fn followers(&self, triangle: u32) -> &[u32] {
         self.sheets.followers(triangle)
     }
 
-    /// A live triangle's own vertices and material, and those of each triangle that follows it with others.
+    /// Returns a live triangle's own layer, and the layer of each different follower.
     #[inline]
     pub(crate) fn layers(&self, triangle: u32) -> impl Iterator<Item = Layer> + Clone + '_ {
         let (vertices, material) = (self.corner_vertices(triangle), self.material(triangle));
         let own = Layer { triangle, vertices, material, opposite: false };
         let has_seams = self.has_seams();
-        // Without seams the leader's vertices are everybody's.
+        // Without seams all layers share the leader's vertices.
         let layer = move |&layer: &Layer| if has_seams { layer } else { Layer { vertices, ..layer } };
         std::iter::once(own).chain(self.sheets.layers(triangle).iter().map(layer))
     }
@@ -292,19 +293,19 @@ impl WorkingSurface {
         self.stars.of(point).len()
     }
 
-    /// The triangles around a point, in a fixed but arbitrary order.
+    /// Returns the triangles around a point, in a fixed but arbitrary order.
     #[inline]
     pub fn star(&self, point: u32) -> impl ExactSizeIterator<Item = Corner> + Clone + '_ {
         self.stars.of(point).iter().map(|&entry| self.corner(entry))
     }
 
-    /// The triangles around a point alone, in the same order.
+    /// Returns the numbers of the triangles around a point, in the order of [`star`](WorkingSurface::star).
     #[inline]
     pub(crate) fn star_triangles(&self, point: u32) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
         self.stars.of(point).iter().map(|&entry| entry >> 2)
     }
 
-    /// Calls `visit` with every triangle that two points share.
+    /// Calls `visit` with every triangle shared by two points.
     #[inline]
     pub(crate) fn for_shared_triangles(&self, a: u32, b: u32, mut visit: impl FnMut(u32)) {
         for triangle in self.star_triangles(a) {
@@ -317,7 +318,7 @@ impl WorkingSurface {
 
     #[inline]
     fn corner(&self, entry: u32) -> Corner {
-        // By table: which corner it is cannot be guessed, so a branch on it would mostly be mispredicted.
+        // By table: the slot is unpredictable, so a branch on it would mostly be mispredicted.
         const NEXT: [u8; 4] = [1, 2, 0, 0];
         const LAST: [u8; 4] = [2, 0, 1, 0];
         let (triangle, slot) = (entry >> 2, (entry & 3) as usize);
@@ -338,8 +339,8 @@ impl WorkingSurface {
         }
     }
 
-    /// The neighbours of a point where they are few: as [`for_neighbours`](WorkingSurface::for_neighbours) lists them. Their
-    /// number is more than fits where they are many.
+    /// Writes the neighbours of a point to `few`, as listed by [`for_neighbours`](WorkingSurface::for_neighbours), and
+    /// returns their number. Where they are too many to fit, returns a number above `N`.
     #[inline]
     pub(crate) fn few_neighbours<const N: usize>(&self, point: u32, few: &mut [u32; N]) -> usize {
         let star = self.stars.of(point);
@@ -365,74 +366,65 @@ impl WorkingSurface {
         self.kinds[point as usize]
     }
 
-    /// Whether a point lies on an open border.
+    /// Returns true if a point lies on an open border.
     pub fn is_border(&self, point: u32) -> bool {
         self.kind(point) & kind::BORDER != 0
     }
 
-    /// Whether a point lies on a non-manifold edge or joins several fans.
+    /// Returns true if a point lies on a non-manifold edge or joins several fans.
     pub fn is_non_manifold(&self, point: u32) -> bool {
         self.kind(point) & kind::NON_MANIFOLD != 0
     }
 
-    /// Whether a point lies on a seam: an edge across which its wedge, or its neighbour's, changes.
-    pub fn is_seam(&self, point: u32) -> bool {
-        self.kind(point) & kind::SEAM != 0
-    }
-
-    /// Whether a point lies on an edge between two materials.
-    pub fn is_material_border(&self, point: u32) -> bool {
-        self.kind(point) & kind::MATERIAL != 0
-    }
-
-    /// Whether a point lies on a curve: a border, non-manifold edge, seam, border between materials or crease of the
-    /// input, or what has become of one.
+    /// Returns true if a point lies on a curve: a border, non-manifold edge, seam, border between materials or crease
+    /// of the input, or the image of such a curve.
     #[inline]
     pub fn is_on_curve(&self, point: u32) -> bool {
         self.kind(point) & kind::ON_CURVE != 0
     }
 
-    /// Whether the edge between two points belongs to a curve.
+    /// Returns true if the edge between two points belongs to a curve.
     #[inline]
     pub fn is_curve_edge(&self, u: u32, v: u32) -> bool {
         self.kind(u) & self.kind(v) & kind::ON_CURVE != 0 && self.curves.find(u, v).is_some()
     }
 
-    /// Calls `visit` with the other end of every curve edge at a point.
+    /// Calls `visit` with the other end and the rim of every curve edge at a point.
     pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32, Rim)) {
         for [edge, other] in self.curves.around(point) {
             visit(other, self.curves.rim(edge));
         }
     }
 
-    /// Whether the input has so few triangles that each may be looked at many times.
+    /// Returns true if the input has at most `SMALL` triangles, so each may be examined many times.
     pub(super) fn is_small(&self) -> bool {
         self.triangles.len() <= SMALL
     }
 
-    /// Whether so few triangles are left that the middle of one may be far from every point that lies over it.
+    /// Returns true if at most `SMALL` triangles or 1 in `COARSE` are left: the middle of a triangle may then be far
+    /// from every point over it.
     #[inline]
     pub(super) fn is_coarse(&self) -> bool {
         self.live <= SMALL.max(self.triangles.len() / COARSE)
     }
 
-    /// The curves, as they are now.
+    /// Returns the curves in their current state.
     pub(super) fn curves(&self) -> &Curves {
         &self.curves
     }
 
-    /// Whether the caller locked a vertex at this point.
+    /// Returns true if the caller locked a vertex at this point.
     pub fn is_locked(&self, point: u32) -> bool {
         self.kind(point) & kind::LOCKED != 0
     }
 
-    /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the triangles that vanish.
+    /// Merges `lost` into `kept`, which moves to `position` (inner frame). `dead` receives the vanishing triangles.
     /// O(valence).
     pub(crate) fn collapse(&mut self, lost: u32, kept: u32, position: Vec3, dead: &mut Vec<u32>) {
         let mut moved = std::mem::take(&mut self.scratch.moved);
-        // A point without triangles does not count already.
+        // A point without triangles is not counted.
         self.live_points -= usize::from(self.valence(lost) != 0);
-        // Each triangle is written to both lists and counted in one: which it is cannot be guessed.
+        // Each triangle is written to both lists and counted in its own: a branch would be mispredicted.
         let star = self.stars.of(lost);
         moved.resize(star.len(), 0);
         dead.resize(star.len(), 0);
@@ -470,7 +462,7 @@ impl WorkingSurface {
         }
         self.add_followers(dead);
         self.live -= dead.len();
-        // A point that was bare comes alive by a merge of two separate parts.
+        // A bare point comes alive by a merge of two separate parts.
         self.live_points += usize::from(self.stars.of(kept).is_empty() && !moved.is_empty());
         for &entry in &moved {
             self.triangles[(entry >> 2) as usize][(entry & 3) as usize] = kept;
@@ -486,7 +478,7 @@ impl WorkingSurface {
         self.scratch.moved = moved;
     }
 
-    /// Takes away points with all their triangles, which must have no other corners. `dead` receives the triangles.
+    /// Removes points with all their triangles, which must have no other corners. `dead` receives the triangles.
     pub(crate) fn vanish(&mut self, points: &[u32], dead: &mut Vec<u32>) {
         dead.clear();
         for &point in points {
@@ -504,7 +496,7 @@ impl WorkingSurface {
         self.live -= dead.len();
     }
 
-    /// Adds to dead triangles those that die with them.
+    /// Appends the followers of dead triangles.
     fn add_followers(&mut self, dead: &mut Vec<u32>) {
         if self.has_sheets() {
             let leaders = dead.len();
@@ -515,7 +507,7 @@ impl WorkingSurface {
         }
     }
 
-    /// Makes a triangle dead, and takes it out of the star of the one point that is no end of the edge.
+    /// Makes a triangle dead, and removes it from the star of its third point, opposite the edge.
     #[inline]
     fn detach_third(&mut self, triangle: u32, [u, v]: [u32; 2]) {
         let [a, b, c] = std::mem::replace(&mut self.triangles[triangle as usize], [NONE; 3]);
@@ -524,7 +516,8 @@ impl WorkingSurface {
         self.live_points -= usize::from(self.valence(third) == 0);
     }
 
-    /// Takes many triangles around `lost` out of the other points' stars, each star in one pass.
+    /// Makes many triangles around `lost` dead, and removes them from the other points' stars, each star in a single
+    /// pass.
     fn remove_many(&mut self, lost: u32, dead: &[u32]) {
         let mut points = std::mem::take(&mut self.scratch.neighbours);
         points.clear();
@@ -541,7 +534,7 @@ impl WorkingSurface {
         self.scratch.neighbours = points;
     }
 
-    /// Replaces the vertex at every corner of `point`'s star by `map` (after the collapse into it).
+    /// Replaces the vertex at every corner of `point`'s star by `map`. Call after the collapse into `point`.
     pub(crate) fn replace_vertices(&mut self, point: u32, mut map: impl FnMut(u32) -> u32) {
         if self.corner_vertices.is_empty() {
             let vertex = &mut self.point_vertex[point as usize];

@@ -1,4 +1,4 @@
-//! How far the input lies from the level of detail: every input point keeps a place on the current surface.
+//! Distance from the input to the level of detail: each input point is tracked on the current surface.
 //!
 //! ```text
 //!          w2                   w2          A point that was merged away is a tracked sample. It hangs on the triangle
@@ -8,9 +8,9 @@
 //!          w1                   w1
 //! ```
 //!
-//! The nearest triangle of the patch is at least as far as the nearest of the whole surface, so the largest distance is
-//! an upper bound for the distance of every input point from the level, and a tight one. A simplification from n
-//! points to m hands over about `3 n ln(n / m)` tracked samples in all.
+//! The nearest triangle of the patch is at least as far as the nearest triangle of the whole surface. The largest
+//! distance is therefore an upper bound, and a tight bound, for the distance of every input point from the level. A
+//! simplification from n points to m hands over about `3 n ln(n / m)` tracked samples in all.
 
 use glam::{Vec3, Vec4};
 
@@ -23,33 +23,33 @@ use super::patch::{Facet, Patch};
 use super::sectors::Sectors;
 use super::surface::WorkingSurface;
 
-/// Which triangle each merged point lies over.
+/// Tracks the triangle under each merged point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct TrackedSamples {
-    /// The input's points, then middles of triangles between curves.
+    /// The input's points, then middles of triangles: between curves, or all triangles on small meshes.
     points: Vec<TrackedSample>,
     /// First tracked sample on each triangle.
     head: Vec<u32>,
-    /// Whether each point is a tracked sample yet.
+    /// True for each point already a tracked sample.
     merged: Vec<bool>,
     fan: Vec<Group>,
-    /// Where to look in a fan of more than [`FEW_SECTORS`].
+    /// Order by angle, to search a fan of more than [`FEW_SECTORS`] groups.
     angles: Angles,
     facets: [Vec<Facet>; 2],
-    /// How many sectors of such a fan may still be asked that lie elsewhere.
+    /// Groups of such a fan still allowed to be searched away from a sample's direction.
     budget: usize,
     /// The largest squared distance so far.
     largest: f32,
     heads: Vec<u32>,
-    /// Where the tracked samples of a part that vanishes would go: tracked sample, squared distance and triangle.
+    /// Targets of the tracked samples of a vanishing part: tracked sample, squared distance and triangle.
     handed: Vec<(u32, f32, u32)>,
-    /// Squared distance of each tracked sample when it was placed last; empty unless asked to remember.
+    /// Squared distance of each tracked sample when last placed; empty unless remembered.
     placed: Vec<f32>,
-    /// Area per input point.
+    /// Area per input point, inner units.
     share: f32,
 }
 
-/// An input point, and the next one on the same triangle: side by side, since chains run all over memory.
+/// The position of a sample, and the next sample on its triangle: side by side, since chains run all over memory.
 #[derive(Debug, Clone, Copy)]
 struct TrackedSample {
     position: Vec3,
@@ -64,10 +64,10 @@ struct Group {
 }
 
 impl Group {
-    /// Up to four facets.
+    /// Builds a group of up to four facets.
     #[inline]
     fn new(facets: &[Facet]) -> Self {
-        // Lanes without a facet repeat the last one: no harm in finding it twice.
+        // Lanes without a facet repeat the last facet: finding it twice is harmless.
         let facet = |i: usize| &facets[i.min(facets.len() - 1)];
         let [a, b] = [Lanes::gather(|i| facet(i).a), Lanes::gather(|i| facet(i).b)];
         Self {
@@ -76,7 +76,7 @@ impl Group {
         }
     }
 
-    /// The nearer of `best` and the least of `distances`.
+    /// Returns the nearer of `best` and the least of `distances`.
     #[inline]
     fn least(&self, distances: Vec4, best: (f32, u32)) -> (f32, u32) {
         let least = distances.min_element();
@@ -89,24 +89,24 @@ impl Group {
     }
 }
 
-/// Fans of up to so many groups of four triangles are asked as a whole.
+/// Fans of up to this many groups of four triangles are searched as a whole.
 const FEW_SECTORS: usize = 16;
-/// In larger ones so many groups around the direction of a tracked sample are asked.
+/// Number of groups searched around a sample's direction in larger fans.
 const NEAR_SECTORS: usize = 4;
-/// So many points on a triangle are asked which is nearest to a place.
+/// Most samples on a triangle compared when searching for the nearest to a place.
 const MOST_ON: usize = 32;
 /// An ear leaves its tracked samples to at most this many triangles around the kept point.
 const EAR_TRIANGLES: usize = 64;
 
 impl TrackedSamples {
-    /// No point is a tracked sample yet. To `remember` distances is needed for [`added`](Self::added).
+    /// Creates the samples; no point is tracked yet. `remember`: keep distances, as needed by [`added`](Self::added).
     pub fn new(surface: &WorkingSurface, remember: bool) -> Self {
         let points = surface.point_count();
         let mut samples: Vec<TrackedSample> =
             (0..points as u32).map(|p| TrackedSample { position: surface.at(p), next: NONE }).collect();
         let mut head = vec![NONE; surface.triangle_count()];
         if !surface.curves().is_empty() || surface.is_small() {
-            // Between curves there is no point to tell how far a triangle's middle comes to lie: it is one itself.
+            // Between curves no input point measures a triangle's middle, so the middle is a sample itself.
             for triangle in 0..surface.triangle_count() as u32 {
                 let Some(corners) = surface.triangle(triangle) else { continue };
                 if surface.is_small() || corners.iter().all(|&p| surface.is_on_curve(p)) {
@@ -137,12 +137,12 @@ impl TrackedSamples {
         self.largest
     }
 
-    /// Takes down a distance found by other means.
+    /// Records a distance found by other means, inner units.
     pub fn note(&mut self, distance: f32) {
         self.largest = self.largest.max(distance * distance);
     }
 
-    /// The nearest to a place of the first points of the input that hang on a triangle.
+    /// Returns the input point nearest to a place among the first `MOST_ON` samples on a triangle.
     pub fn nearest_on(&self, triangle: u32, place: Vec3) -> Option<u32> {
         let (mut at, mut best, mut least) = (self.head[triangle as usize], None, f32::INFINITY);
         for _ in 0..MOST_ON {
@@ -159,12 +159,12 @@ impl TrackedSamples {
         best
     }
 
-    /// Area per input point.
+    /// Area per input point, inner units.
     pub fn share(&self) -> f32 {
         self.share
     }
 
-    /// The largest distance of a tracked sample of the patch from the patch that merging `pair` at `x` would make, inner
+    /// Returns the largest distance from the patch's tracked samples to the patch made by merging `pair` at `x`, inner
     /// units.
     pub fn measure(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
@@ -185,8 +185,8 @@ impl TrackedSamples {
         worst.sqrt()
     }
 
-    /// How much the integral of squared distance over the input would grow: every tracked sample of the patch stands for an
-    /// equal share of the area.
+    /// Returns the growth of the integral of squared distance over the input. Each tracked sample of the patch stands
+    /// for an equal share of the area.
     pub fn added(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
         let mut sum: f32 = 0.0;
@@ -206,11 +206,11 @@ impl TrackedSamples {
         sum * self.share
     }
 
-    /// Hands every tracked sample of the patch to the triangle of the new patch that it lies over, just before the collapse
-    /// is done; the largest distance, inner units.
+    /// Hands each tracked sample of the patch to the triangle of the new patch under it. Call just before the collapse.
+    /// Returns the largest distance, inner units.
     pub fn hand_over(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> f32 {
         self.spread(surface, patch, pair, x);
-        // The chains are cut off first: what is handed over goes onto triangles of the same patch.
+        // Chains are cut off first: samples are handed to triangles of the same patch.
         let heads = self.heads(surface, pair, x);
         self.clear_heads(surface, pair, x);
         let mut worst: f32 = 0.0;
@@ -231,8 +231,8 @@ impl TrackedSamples {
         worst.sqrt()
     }
 
-    /// The largest distance to what is left, inner units, of the tracked samples on a part of `points` that vanishes, and of
-    /// those points: `nearest` gives the squared distance of a position and the triangle that has it.
+    /// Returns the largest distance, inner units, from a vanishing part to the surface left: over its `points` and the
+    /// tracked samples on it. `nearest` returns the squared distance of a position, and the nearest triangle.
     pub fn measure_vanishing(
         &mut self,
         surface: &WorkingSurface,
@@ -264,7 +264,8 @@ impl TrackedSamples {
         worst.sqrt()
     }
 
-    /// Hands over what was measured last, just before the part vanishes; the largest distance, inner units.
+    /// Hands over the samples measured last by [`measure_vanishing`](Self::measure_vanishing). Call just before the
+    /// part vanishes. Returns the largest distance, inner units.
     pub fn vanish(&mut self, surface: &WorkingSurface, points: &[u32]) -> f32 {
         for &point in points {
             self.merged[point as usize] = true;
@@ -287,12 +288,13 @@ impl TrackedSamples {
         worst.sqrt()
     }
 
-    /// Tracked sample, squared distance and triangle of what was measured last.
+    /// Tracked sample, squared distance and triangle of each sample measured last by
+    /// [`measure_vanishing`](Self::measure_vanishing).
     pub fn handed(&self) -> &[(u32, f32, u32)] {
         &self.handed
     }
 
-    /// The new patch as sectors.
+    /// Stores the new patch as sectors.
     fn spread(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
         self.fan.clear();
         if patch.facets().len() > 4 * FEW_SECTORS {
@@ -300,8 +302,8 @@ impl TrackedSamples {
         }
         self.fan.extend(patch.facets().chunks(4).map(Group::new));
         if patch.facets().is_empty() {
-            // Nothing of the patch survives (an ear): its tracked samples go to what lies around the kept point, near in the
-            // list of its star, where triangles lie side by side that did so in the input.
+            // Nothing of the patch survives (an ear): its tracked samples go to triangles around the kept point, near
+            // the ear in its star's list. Triangles adjacent in the list were adjacent in the input.
             let ear = surface.star_triangles(pair.lost).next();
             let at = surface.star_triangles(pair.kept).position(|triangle| Some(triangle) == ear);
             let from = at.unwrap_or(0).saturating_sub(EAR_TRIANGLES / 2);
@@ -311,7 +313,7 @@ impl TrackedSamples {
         }
     }
 
-    /// Very many triangles, in the order of their angle.
+    /// Stores very many triangles, in the order of their angle.
     #[cold]
     fn spread_many(&mut self, patch: &Patch) {
         let [facets, scratch] = &mut self.facets;
@@ -322,7 +324,7 @@ impl TrackedSamples {
         self.budget = 64 * self.fan.len();
     }
 
-    /// The first tracked sample of every triangle of the patch that has one.
+    /// Returns the first tracked sample of each triangle of the patch with any.
     #[inline]
     fn heads(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> Vec<u32> {
         let mut heads = std::mem::take(&mut self.heads);
@@ -353,14 +355,14 @@ impl TrackedSamples {
         }
     }
 
-    /// The merged points that are not tracked samples yet.
+    /// Returns the merged points not tracked yet.
     fn newcomers(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
         let is_new = |point: u32| (!self.merged[point as usize]).then_some(point);
         let kept = if surface.at(pair.kept) == x { None } else { is_new(pair.kept) };
         is_new(pair.lost).into_iter().chain(kept)
     }
 
-    /// Puts a tracked sample on the triangle it lies over; its squared distance.
+    /// Puts a tracked sample on the triangle under it; returns its squared distance.
     #[inline]
     fn place(&mut self, sample: u32, x: Vec3) -> f32 {
         let (distance, triangle) = self.nearest(self.points[sample as usize].position - x);
@@ -374,9 +376,9 @@ impl TrackedSamples {
         distance
     }
 
-    /// Squared distance to a nearby triangle of the new patch, and which. The triangle that the point lies over is
-    /// mostly the nearest; on a ridge the point may lie over no triangle but a distant one, and the sides are nearer.
-    /// They are asked where it matters: where the distance would be the largest so far.
+    /// Returns the squared distance to a nearby triangle of the new patch, and the triangle. The triangle under the
+    /// point is mostly the nearest. On a ridge the point may lie over a distant triangle only, and the triangles' sides
+    /// are nearer. Sides are tested only where the distance would be the largest so far.
     #[inline]
     fn nearest(&mut self, point: Vec3) -> (f32, u32) {
         if self.fan.len() > FEW_SECTORS {
@@ -390,7 +392,8 @@ impl TrackedSamples {
         if best.0 <= self.largest { best } else { self.nearest_of(0..self.fan.len(), point) }
     }
 
-    /// The same with the triangles' sides asked in any case: exact for the new patch.
+    /// Returns the squared distance to the nearest triangle of the new patch, and the triangle. Always tests the
+    /// triangles' sides. Exact for fans of up to [`FEW_SECTORS`] groups.
     fn nearest_with_sides(&mut self, point: Vec3) -> (f32, u32) {
         if self.fan.len() > FEW_SECTORS {
             return self.nearest_of_many(point);
@@ -398,7 +401,7 @@ impl TrackedSamples {
         self.nearest_of(0..self.fan.len(), point)
     }
 
-    /// Squared distance to the nearest triangle of some groups, and which.
+    /// Returns the squared distance to the nearest triangle of some groups, and the triangle.
     fn nearest_of(&self, groups: std::ops::Range<usize>, point: Vec3) -> (f32, u32) {
         let p = Lanes::splat(point);
         let mut best = (f32::INFINITY, NONE);
@@ -406,12 +409,12 @@ impl TrackedSamples {
             let Group { sectors, .. } = group;
             best = group.least(sectors.heights(&p).min(sectors.sides(&p)), best);
         }
-        // Where nothing is left but the merged point itself.
+        // Where only the merged point itself is left.
         if best.1 == NONE { (point.length_squared(), NONE) } else { best }
     }
 
-    /// Among very many triangles those near the point's direction are asked. The others only where the distance would be
-    /// the largest so far, and only for as many points as keeps the whole in proportion to the triangles.
+    /// Searches very many triangles: first the groups near the point's direction. All groups are searched only where
+    /// the distance would be the largest so far, within a budget in proportion to the number of triangles.
     #[cold]
     fn nearest_of_many(&mut self, point: Vec3) -> (f32, u32) {
         let count = self.fan.len();
@@ -430,7 +433,7 @@ impl TrackedSamples {
     }
 }
 
-/// Area of a surface, inner units.
+/// Returns the area of a surface, inner units.
 fn area(surface: &WorkingSurface) -> f32 {
     let triangles = (0..surface.triangle_count() as u32).filter_map(|t| surface.triangle(t));
     let double = triangles.map(|t| {

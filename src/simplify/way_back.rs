@@ -1,5 +1,5 @@
-//! How far a level lies from the input: places on its new triangles, held against the input's triangles. Next to curves, on
-//! small meshes, and once few triangles are left.
+//! Distance from a level to the input: places on new triangles, measured against the input's triangles. Used next to
+//! curves, on small meshes, and once few triangles are left.
 //!
 //! ```text
 //!      .---.---.---.---.       A wall between two rims has no point of its own: all of them are on the rims. What lies
@@ -11,9 +11,9 @@
 //!             \_/
 //! ```
 //!
-//! The nearest triangle of the input is found by walking from a point that lies over the new triangle, or its corners, to
-//! whatever neighbour is nearer: its distance is never less than that of the nearest, and where it is less than what is
-//! known of the level already nothing is looked at any further.
+//! The nearest triangle of the input is found by walking. The walk starts at a point over the new triangle, or at its
+//! corners, and moves to nearer neighbours. The distance found is never less than the true distance. The walk stops
+//! once the distance is less than the known distance of the level.
 
 use glam::Vec3;
 
@@ -25,13 +25,14 @@ use super::patch::{Facet, Patch};
 use super::sectors::{Sectors, least};
 use super::surface::WorkingSurface;
 
-/// Points with more triangles are not looked around.
+/// Points with more triangles are not searched around.
 const HUB: usize = 64;
-/// Where on a new triangle is looked, as shares of its sides from the merged point: in the middle of both sides and inside.
+/// First places on a new triangle, as shares of its sides from the merged point: the middles of both sides, and the
+/// centroid.
 const FIRST_LOOKS: [[f32; 2]; 3] = [[0.5, 0.0], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
-/// The same where no curve is near: the triangle on the other side looks at the other side.
+/// First places away from curves: the middle of the other side is measured on the triangle beyond.
 const FEW_LOOKS: [[f32; 2]; 2] = [[0.5, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
-/// Where one of these is far from the input, also between them.
+/// Further places, measured where a first place is far from the input.
 const LOOKS: [[f32; 2]; 7] = [
     [0.25, 0.0],
     [0.75, 0.0],
@@ -41,27 +42,27 @@ const LOOKS: [[f32; 2]; 7] = [
     [2.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0],
 ];
-/// The ways from a place to others in its triangle, along and across the sides.
+/// Directions from a place to others in its triangle, along and across the sides.
 const AROUND: [[f32; 2]; 6] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
-/// Share of the squared distance known up to which a triangle is not far from the input.
+/// Share of the known squared distance up to which a triangle is near the input.
 const NEAR: f32 = 0.25;
-/// How near to the farthest place is looked for it, as a share of the triangle's sides.
+/// Step at which the search for the farthest place ends, as a share of the triangle's sides.
 const STEP: f32 = 0.03;
-/// Most new triangles that are looked at: with more, a hub moves.
+/// Most new triangles measured: with more, a hub moves.
 const MOST_FACETS: usize = 64;
 
 /// The triangles of the input around each of its points.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WayBack {
     positions: Vec<Vec3>,
-    /// Start of every point's triangles; one more than points.
+    /// Start of each point's triangles; length points + 1.
     start: Vec<u32>,
     /// The two other corners of each triangle around each point.
     around: Vec<[u32; 2]>,
 }
 
 impl WayBack {
-    /// Of a surface that nothing was merged on yet. O(n).
+    /// Stores the triangles of a surface before any merge. O(n).
     pub fn new(surface: &WorkingSurface) -> Self {
         let points = surface.point_count();
         let mut result = Self {
@@ -78,10 +79,10 @@ impl WayBack {
         result
     }
 
-    /// The largest squared distance of a place on the new triangles of a merge at `x` from the input, where it is more
-    /// than `known`; else that. Triangles with a corner off all curves are looked at on small meshes and coarse levels only:
-    /// elsewhere points of the input tell how far those are. `on`: the point of the input nearest to a place that lies over
-    /// a triangle.
+    /// Returns the largest squared distance to the input from a place on the new triangles of a merge at `x`, or
+    /// `known` where larger. Triangles with a corner off all curves are measured on small meshes and coarse levels
+    /// only: elsewhere points of the input measure them. `on`: returns the input point nearest to a place, among points
+    /// over a triangle.
     pub fn farthest(
         &self,
         surface: &WorkingSurface,
@@ -113,8 +114,8 @@ impl WayBack {
     }
 }
 
-/// The largest of what `look` finds on a triangle, where it is more than `known`; else that. `look` takes a place and a
-/// distance that is near enough.
+/// Returns the largest result of `look` on a triangle, or `known` where larger. `look` takes a place and a squared
+/// distance near enough to stop at.
 fn farthest_on_triangle(mut look: impl FnMut([f32; 2], f32) -> f32, thorough: bool, known: f32) -> f32 {
     let mut farthest = (0.0, [0.0; 2]);
     let mut try_at = |place: [f32; 2], enough: f32, farthest: &mut (f32, [f32; 2])| {
@@ -128,7 +129,7 @@ fn farthest_on_triangle(mut look: impl FnMut([f32; 2], f32) -> f32, thorough: bo
     if farthest.0 > near {
         LOOKS.iter().for_each(|&place| try_at(place, known.max(farthest.0), &mut farthest));
     }
-    // Between the places looked at, around the farthest, where it counts.
+    // Between the measured places, around the farthest, where it exceeds `known`.
     let mut step = if farthest.0 > known { 0.125 } else { 0.0 };
     while step > STEP {
         let [a, b] = farthest.1;
@@ -143,19 +144,19 @@ fn farthest_on_triangle(mut look: impl FnMut([f32; 2], f32) -> f32, thorough: bo
     known.max(farthest.0)
 }
 
-/// The nearest triangle of the input to a place, as far as it is known.
+/// The input's triangle nearest to a place, as far as known.
 struct Search<'a> {
     back: &'a WayBack,
     at: Vec3,
     best: f32,
-    /// Its corners, that first around which it was found.
+    /// Corners of the nearest triangle, beginning with the point it was found around.
     nearest: [u32; 3],
     enough: f32,
 }
 
 impl Search<'_> {
-    /// From the triangle that was nearest to another place, the point of the input over the new triangle that is nearest to
-    /// this one, and the corners, to whatever neighbour is nearer.
+    /// Searches around the triangle nearest to the previous place, the nearest input point over the new triangle, and
+    /// the corners; then around nearer neighbours while the distance falls.
     fn run(&mut self, pair: Pair, facet: &Facet, place: [f32; 2], on: impl Fn(u32, Vec3) -> Option<u32>) {
         if self.nearest[0] != NONE {
             self.look_around(self.nearest[0]);
@@ -176,7 +177,7 @@ impl Search<'_> {
         }
     }
 
-    /// Looks at the triangles around a point, if no place is near enough yet.
+    /// Searches the triangles around a point, unless the distance is near enough already.
     fn look_around(&mut self, point: u32) {
         let WayBack { positions, start, around } = self.back;
         let range = start[point as usize] as usize..start[point as usize + 1] as usize;
@@ -186,7 +187,7 @@ impl Search<'_> {
         let origin = positions[point as usize];
         let p = Lanes::splat(self.at - origin);
         for four in around[range].chunks(4) {
-            // Lanes without a triangle repeat the last one.
+            // Lanes without a triangle repeat the last triangle.
             let others = |i: usize| four[i.min(four.len() - 1)];
             let corner = |end: usize| Lanes::gather(|i| positions[others(i)[end] as usize] - origin);
             let [a, b] = [corner(0), corner(1)];

@@ -1,4 +1,4 @@
-//! Where the wedges of a merged point go.
+//! Maps the wedges of a merged point.
 //!
 //! ```text
 //!          w1                a and b are wedges of `lost` on either side of a seam, c and d of `kept`.
@@ -9,26 +9,26 @@
 //!                            may be made and none is near, it keeps its values at the new place.
 //! ```
 //!
-//! Every layer of a sheet has wedges of its own, which the same layer's triangles map.
+//! Each layer of a sheet has its own wedges, mapped by the triangles of the same layer.
 
 use super::metric::Pair;
 use super::sheets::Layer;
 use super::surface::WorkingSurface;
 
-/// Most wedges of the lost point with a place to go: beyond it a map [overflows](WedgeMap::overflows).
+/// Most wedges of the lost point in a map; with more, the map [overflows](WedgeMap::overflows).
 const FEW: usize = 16;
-/// Corners of the kept point that are searched for wedges.
+/// Most corners around a point searched for wedges.
 const CORNERS: usize = 64;
 
-/// Where every wedge of the lost point goes.
+/// Target of each wedge of the lost point.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct WedgeMap {
-    /// `[from, to]`; a wedge that keeps its values goes to itself.
+    /// `[from, to]`; a wedge keeping its values maps to itself.
     pairs: [[u32; 2]; FEW],
     len: usize,
-    /// How many of the pairs share a chart: the others were chosen by value.
+    /// Number of pairs sharing a chart, which come first. The other pairs were chosen by value.
     linked: usize,
-    /// `[from, to]`: wedges of the kept point that become one, since one wedge of the lost point has triangles with both.
+    /// `[from, to]`: wedges of the kept point to be merged, since a wedge of the lost point has triangles with both.
     joined: [[u32; 2]; FEW],
     joins: usize,
     complete: bool,
@@ -36,10 +36,10 @@ pub(crate) struct WedgeMap {
 }
 
 impl WedgeMap {
-    /// The map of a pair as far as the triangles on its edge say.
+    /// Builds the map of a pair from the triangles on its edge only.
     pub fn new(surface: &WorkingSurface, pair: Pair) -> Self {
         let mut map = Self { complete: true, ..Self::default() };
-        // The edge's triangles are found from the side with fewer: the other may be a hub.
+        // The edge's triangles are found from the end with fewer triangles: the other end may be a hub.
         let turned =
             surface.valence(pair.lost) > 16 && surface.valence(pair.kept) < surface.valence(pair.lost);
         let (point, other) = if turned { (pair.kept, pair.lost) } else { (pair.lost, pair.kept) };
@@ -66,7 +66,7 @@ impl WedgeMap {
         map
     }
 
-    /// Takes down what a triangle on the edge says.
+    /// Records the pair of wedges on a triangle at the edge.
     #[inline]
     fn add(&mut self, [from, to]: [u32; 2]) {
         let to = self.root(to);
@@ -77,7 +77,7 @@ impl WedgeMap {
         }
     }
 
-    /// The map of a pair with a place for every wedge, unless it [overflows](Self::overflows).
+    /// Builds the map of a pair with a target for every wedge, unless it [overflows](Self::overflows).
     pub fn chosen(surface: &WorkingSurface, pair: Pair) -> Self {
         let mut map = Self::new(surface, pair);
         if !map.complete && !map.overflows {
@@ -86,28 +86,28 @@ impl WedgeMap {
         map
     }
 
-    /// Whether every wedge has exactly one to go to, by the triangles on the edge alone.
+    /// Returns true if the triangles on the edge alone give each wedge exactly 1 target.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// Whether there are more wedges than are kept apart.
+    /// Returns true if there are too many wedges to keep apart.
     pub fn overflows(&self) -> bool {
         self.overflows
     }
 
-    /// Whether wedges of the kept point become one.
+    /// Returns true if wedges of the kept point are merged.
     pub fn joins_kept(&self) -> bool {
         self.joins > 0 || self.overflows
     }
 
-    /// Where a wedge of the lost point goes: itself where it keeps its values.
+    /// Returns the target of a wedge of the lost point: itself where it keeps its values.
     #[inline]
     pub fn get(&self, from: u32) -> Option<u32> {
         self.pairs().iter().find(|pair| pair[0] == from).map(|pair| self.root(pair[1]))
     }
 
-    /// Which wedge a wedge of the kept point becomes: itself but where wedges become one.
+    /// Returns the image of a wedge of the kept point: itself unless merged.
     #[inline]
     pub fn root(&self, mut kept: u32) -> u32 {
         if self.joins == 0 {
@@ -119,12 +119,12 @@ impl WedgeMap {
         kept
     }
 
-    /// The first wedge of the lost point that shares a chart with one of the kept point.
+    /// Returns the first wedge of the lost point sharing a chart with a wedge of the kept point.
     pub fn partner(&self, kept: u32) -> Option<u32> {
         self.pairs[..self.linked].iter().find(|pair| self.root(pair[1]) == kept).map(|pair| pair[0])
     }
 
-    /// All `[from, to]`.
+    /// All pairs `[from, to]`.
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs[..self.len]
     }
@@ -139,7 +139,7 @@ impl WedgeMap {
         }
     }
 
-    /// Makes two different wedges of the kept point one.
+    /// Merges two different wedges of the kept point.
     fn join(&mut self, from: u32, to: u32) {
         self.complete = false;
         match self.joined.get_mut(self.joins) {
@@ -151,7 +151,7 @@ impl WedgeMap {
         }
     }
 
-    /// Finds a place for the wedges that have none yet.
+    /// Chooses targets for the wedges without any.
     fn choose(&mut self, surface: &WorkingSurface, pair: Pair) {
         for from in wedges_of(surface, pair.lost) {
             if self.get(from).is_none() {
@@ -178,14 +178,14 @@ impl WedgeMap {
     }
 }
 
-/// The wedges at the corners around a point, on every layer of a sheet; some several times.
+/// Returns the wedges at the corners around a point, on every layer of a sheet; some several times.
 fn wedges_of(surface: &WorkingSurface, point: u32) -> impl Iterator<Item = u32> + '_ {
     surface.star(point).flat_map(|corner| {
         surface.layers(corner.triangle).map(move |layer| layer.vertices[corner.slot as usize])
     })
 }
 
-/// The wedge of the kept point that shares a vertex next to both with a wedge of the lost one.
+/// Returns the wedge of the kept point next to a vertex which is also next to the lost point's wedge `from`.
 fn by_chart(surface: &WorkingSurface, pair: Pair, from: u32) -> Option<u32> {
     for corner in surface.star(pair.lost) {
         let slot = corner.slot as usize;
@@ -217,8 +217,8 @@ fn by_chart(surface: &WorkingSurface, pair: Pair, from: u32) -> Option<u32> {
     None
 }
 
-/// The wedge among `kept` that is nearest in value and mirrors no triangle; failing that, or where it is far and may be
-/// had, the wedge itself; failing that the nearest.
+/// Returns the wedge among `kept` nearest in value and mirroring no triangle; without any, the nearest. Where wedges
+/// may move, returns `from` itself if the wedge found mirrors a triangle or is farther than `NEAR`.
 fn by_value(surface: &WorkingSurface, pair: Pair, from: u32, kept: &[u32]) -> u32 {
     let values = &surface.values;
     let mut best: Option<(bool, f32, u32)> = None;
@@ -234,10 +234,10 @@ fn by_value(surface: &WorkingSurface, pair: Pair, from: u32, kept: &[u32]) -> u3
     }
     match best {
         Some((mirrors, distance, to)) if !surface.moves_wedges || !mirrors && distance <= NEAR * NEAR => to,
-        // Also of a point without triangles: it has no wedge to choose.
+        // Also for a kept point without triangles: it has no wedge to choose.
         _ => from,
     }
 }
 
-/// Wedges whose values differ by less count as one, as a share of the diagonal: 2 degrees of a normal.
+/// Difference of values up to which a wedge takes another's, as a share of the diagonal: 2 degrees of a normal.
 const NEAR: f32 = 1e-4;

@@ -1,5 +1,5 @@
-//! What tells wedges apart: texture coordinates, normals and colours of every vertex; and on which side of texture space
-//! each triangle lies.
+//! Values distinguishing wedges: texture coordinates, normals and colours of every vertex; and the side of texture
+//! space of each triangle.
 
 use glam::Vec3;
 
@@ -12,22 +12,22 @@ use super::sheets::Layer;
 use super::surface::{Corner, WorkingSurface};
 use super::wedge_map::WedgeMap;
 
-/// Worth of a normal that is off by 1, and of a colour, as shares of the diagonal.
+/// Weight of a deviation of 1 in a normal; `COLOR`: in a colour. Shares of the diagonal.
 const NORMAL: f32 = 0.003;
 const COLOR: f32 = 0.01;
-/// Worth of texture that slides, as a share of the way it slides.
+/// Weight of sliding texture, as a share of the distance slid.
 const SLIDE: f32 = 0.1;
 /// Height over length below which a triangle of texture space has no side.
 const FLAT: f64 = 1e-6;
 
-/// Values per vertex, new ones included.
+/// Values per vertex, new vertices included.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WedgeValues {
-    /// Sets of texture coordinates, which come first.
+    /// Number of sets of texture coordinates, which come first.
     sets: usize,
-    /// What a deviation of 1 is worth, per scalar.
+    /// Weight of a deviation of 1, per scalar.
     weights: Vec<f32>,
-    /// Where the scalars of the normal lie; none where empty.
+    /// Range of the normal's scalars; empty without normals.
     normal: std::ops::Range<usize>,
     data: Vec<f32>,
     /// Per triangle and set its side in the input: 1 or -1, 0 for none.
@@ -35,7 +35,7 @@ pub(super) struct WedgeValues {
 }
 
 impl WedgeValues {
-    /// Texture coordinates; and with `seams` all else that tells wedges apart. O(values).
+    /// Collects texture coordinates, and with `seams` also normals and colours. O(values).
     pub fn new(mesh: &Mesh, seams: bool) -> Self {
         let is_set = |name: &str, stem: &str| {
             name.strip_prefix(stem).is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
@@ -84,7 +84,7 @@ impl WedgeValues {
         [self.data[at], self.data[at + 1]]
     }
 
-    /// How far the values of two vertices lie apart, as a share of the diagonal, squared. Values that are not finite do
+    /// Returns the squared distance between the values of two vertices, in shares of the diagonal. Non-finite values do
     /// not count.
     pub fn distance_squared(&self, a: u32, b: u32) -> f32 {
         let terms = self.of(a).iter().zip(self.of(b)).zip(&self.weights).map(|((a, b), w)| {
@@ -94,7 +94,7 @@ impl WedgeValues {
         terms.sum()
     }
 
-    /// Whether two vertices differ, and whether in their normals alone.
+    /// Returns true first if two vertices differ, and second if only their normals differ.
     pub fn differ(&self, a: u32, b: u32) -> (bool, bool) {
         let (mut any, mut beside) = (false, false);
         for (i, (a, b)) in self.of(a).iter().zip(self.of(b)).enumerate() {
@@ -105,7 +105,7 @@ impl WedgeValues {
         (any, any && !beside)
     }
 
-    /// Appends a vertex that blends two, as the sequence does.
+    /// Appends a vertex blended of two, as the sequence does.
     pub fn push_blend(&mut self, [a, b]: [u32; 2], weight: f32) {
         let stride = self.weights.len();
         for i in 0..stride {
@@ -119,7 +119,7 @@ fn mix(a: f32, b: f32, weight: f32) -> f32 {
     if weight == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * weight }
 }
 
-/// 1 where a triangle of texture space turns to the left, -1 to the right, 0 where it has no side.
+/// Returns 1 for a counterclockwise triangle of texture space, -1 for a clockwise triangle, 0 without a side.
 pub(super) fn side(corners: [[f32; 2]; 3]) -> i8 {
     let (area, scale) = area(corners);
     if area > FLAT * scale {
@@ -131,15 +131,15 @@ pub(super) fn side(corners: [[f32; 2]; 3]) -> i8 {
     }
 }
 
-/// Twice the area of a triangle of texture space, and the sum of two squared sides.
+/// Returns twice the signed area of a triangle of texture space, and the sum of two squared sides.
 fn area(corners: [[f32; 2]; 3]) -> (f64, f64) {
     let [a, b, c] = corners.map(|p| p.map(f64::from));
     let (e, f) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
     (e[0] * f[1] - e[1] * f[0], e[0] * e[0] + e[1] * e[1] + f[0] * f[0] + f[1] * f[1])
 }
 
-/// The distance on the surface that one unit of a texture covers on average, as a share of the diagonal; 0 where that
-/// makes no sense.
+/// Returns the distance on the surface covered by 1 unit of a texture on average, as a share of the diagonal; 0 where
+/// undefined.
 fn units_per_uv(mesh: &Mesh, uv: &Attribute) -> f32 {
     let values = uv.as_floats().unwrap_or(&[]);
     let (mut surface, mut texture) = (0.0f64, 0.0f64);
@@ -165,7 +165,7 @@ impl WorkingSurface {
         self.values.push_blend(from, weight);
     }
 
-    /// Whether merging `pair` at `x` leaves every triangle on its side of texture space. O(valence).
+    /// Returns true if merging `pair` at `x` leaves every triangle on its side of texture space. O(valence).
     pub(super) fn keeps_uv_sides(&self, pair: Pair, x: Vec3) -> bool {
         let sets = self.values.sets;
         if sets == 0 {
@@ -185,7 +185,7 @@ impl WorkingSurface {
         };
         let either = self.kind(pair.lost) | self.kind(pair.kept);
         if !self.has_seams() || either & kind::WEDGES == 0 {
-            // One wedge each.
+            // A single wedge each.
             let vertex = |point: u32| {
                 let corner = self.star(point).next()?;
                 Some(self.corner_vertices(corner.triangle)[corner.slot as usize])
@@ -211,7 +211,7 @@ impl WorkingSurface {
             && (stays && !map.joins_kept() || self.keep_sides(pair.kept, pair.lost, of_kept))
     }
 
-    /// Whether the triangles of one wedge of the lost point stay on their sides with another vertex in its place.
+    /// Returns true if the triangles of the lost point's wedge `from` stay on their sides with `to` in its place.
     pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
         self.star(pair.lost).filter(|corner| !corner.others.contains(&pair.kept)).all(|corner| {
             let mut own =
@@ -220,8 +220,8 @@ impl WorkingSurface {
         })
     }
 
-    /// Whether every triangle around a point, but for those with `other`, stays on its side when the coordinates of the
-    /// point's wedges become `to`.
+    /// Returns true if every triangle around a point, except triangles with `other`, stays on its side when the
+    /// coordinates of the point's wedges become `to`.
     fn keep_sides(&self, point: u32, other: u32, to: impl Fn(usize, u32) -> [f32; 2]) -> bool {
         let mut corners = self.star(point).filter(|corner| !corner.others.contains(&other));
         corners.all(|corner| self.keeps_side(corner, &to))
@@ -238,13 +238,13 @@ impl WorkingSurface {
             if input == 0 {
                 return true;
             }
-            // Its vertices come in the leader's order.
+            // The layer's vertices come in the leader's order.
             let input = if layer.opposite { -input } else { input };
             let before = vertices.map(|v| values.uv(set, v));
             let mut after = before;
             after[slot as usize] = to(set, vertices[slot as usize]);
             let now = side(after);
-            // One that has lost its side already may stay without, but not go over to the other.
+            // A triangle without a side may stay without, but not go over to the other side.
             now == input || now == 0 && side(before) == 0 && area(after).0 * f64::from(input) >= 0.0
         })
     }

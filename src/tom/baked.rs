@@ -1,4 +1,4 @@
-//! A totally ordered mesh under the one face of all structures: baking it, its instances, levels of detail as meshes.
+//! [`Structure`] for totally ordered meshes: baking, instances, levels of detail as meshes.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use crate::simplify::CollapseSequence;
 
 use super::{Resolution, TomError, TomLod, TomSteps, TotallyOrderedMesh};
 
-/// How a totally ordered mesh is built from a simplification: there is nothing to choose.
+/// Options for building a totally ordered mesh from a simplification. There are none yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct TomOptions {}
 
-/// How to simplify a mesh before it is put in order: a [`Builder`] of totally ordered meshes.
+/// A [`Builder`] of totally ordered meshes: simplifies a mesh, then puts it in order.
 pub type TomBuilder<M = crate::simplify::metric::Quadric> = Builder<TotallyOrderedMesh, M>;
 
 impl FromSequence for TotallyOrderedMesh {
@@ -102,7 +102,7 @@ impl Structure for TotallyOrderedMesh {
         let count = self.vertex_count() - base;
         let rank = |vertex: usize| {
             let Some(at) = vertex.checked_sub(base) else { return VertexRank::COARSEST };
-            // The bound of the coarsest resolution known that is without it.
+            // The bound of the finest resolution known to lack the vertex.
             let above = self.error_marks.partition_point(|mark| mark.vertices as usize <= vertex);
             let error = above.checked_sub(1).map_or(0.0, |mark| self.error_marks[mark].error);
             VertexRank::new(VertexRank::share_of(at, count), error)
@@ -124,7 +124,7 @@ impl Structure for TotallyOrderedMesh {
 }
 
 impl Baked<TotallyOrderedMesh> {
-    /// A resolution as a mesh of its own: the vertices that it uses, in the total order, with attributes and locks, and its
+    /// Returns a resolution as a mesh: its vertices in use, in the total order, with attributes and locks, and its
     /// triangles with their materials. O(vertices + output).
     pub fn mesh_at(&self, resolution: Resolution) -> Mesh {
         let tom = &**self.structure();

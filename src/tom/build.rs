@@ -8,31 +8,31 @@ use super::{ErrorMark, TomError, TotallyOrderedMesh};
 
 /// Most error marks of a mesh.
 pub(super) const MOST_MARKS: usize = 1024;
-/// Vertices between error marks, unless that makes them too few or too many.
+/// Vertices between error marks, unless this makes the marks too few or too many.
 const MARK_STRIDE: usize = 128;
-/// Error marks that a small mesh gets all the same.
+/// Error marks wanted even for a small mesh.
 const FEW_MARKS: usize = 16;
 
-/// A totally ordered mesh and how its order relates to the input's.
+/// A totally ordered mesh, and the input vertex and triangle at each place of its order.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TomBuild {
     /// The structure.
     pub tom: TotallyOrderedMesh,
-    /// The input vertex at every place of the new order, a permutation of all input vertices. The structure refers to
-    /// the first [`TotallyOrderedMesh::vertex_count`] only; then come duplicates (the sequence's
-    /// [aliases](CollapseSequence::aliases)), then vertices that no triangle uses. Those need not be uploaded.
+    /// Input vertex at each place of the new order: a permutation of all input vertices. The structure refers to the
+    /// first [`TotallyOrderedMesh::vertex_count`] only. Duplicates follow (the sequence's
+    /// [aliases](CollapseSequence::aliases)), then vertices used by no triangle. Neither need be uploaded.
     pub vertex_order: Vec<u32>,
-    /// The input triangle at every place of the new order; degenerate ones are not among them.
+    /// Input triangle at each place of the new order, degenerate triangles left out.
     pub triangle_order: Vec<u32>,
 }
 
 impl TotallyOrderedMesh {
-    /// Builds the structure from a mesh and a simplification of it by endpoint placement.
+    /// Builds the structure from a mesh and its simplification by endpoint placement.
     ///
-    /// Base vertices keep the input's order, as do the triangles that vanish in one step; degenerate triangles are left
-    /// out and duplicates folded. O((vertices + triangles) log vertices). With its vertices, and where they come from:
-    /// [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
+    /// Base vertices keep the input's order, and so do triangles that vanish in the same step. Degenerate triangles are
+    /// left out, duplicate vertices folded. O((vertices + triangles) log vertices). To get vertices and their origins
+    /// too, call [`Baked::of_sequence`](crate::lod::Baked::of_sequence).
     ///
     /// # Errors
     /// The sequence makes new vertices, belongs to another mesh, or does not hold together.
@@ -87,8 +87,8 @@ impl TotallyOrderedMesh {
     }
 }
 
-/// The triangles that are not degenerate, last vanishing first, in input order where they vanish together; and how many
-/// never vanish.
+/// Sorts the non-degenerate triangles, last vanishing first, in input order where they vanish together. Returns them
+/// and the number of triangles that never vanish.
 fn sort_by_end(ends: &[u32], steps: usize) -> (Vec<u32>, u32) {
     let bucket = |end: u32| if end == NONE { 0 } else { steps + 1 - end as usize };
     let mut start = vec![0u32; steps + 2];
@@ -108,12 +108,14 @@ fn sort_by_end(ends: &[u32], steps: usize) -> (Vec<u32>, u32) {
     (order, base)
 }
 
-/// Error bounds at group boundaries, base first. A mark's bound holds for all finer resolutions since bounds fall.
+/// Returns error bounds at group boundaries, base first. A mark's bound holds for all finer resolutions, since bounds
+/// fall.
 fn error_marks(collapse_forest: &CollapseForest, sequence: &CollapseSequence) -> Vec<ErrorMark> {
     let (base, real) = (collapse_forest.roots as usize, collapse_forest.real as usize);
     let span = real - base;
     let stride = MARK_STRIDE.min(span.div_ceil(FEW_MARKS)).max(span.div_ceil(MOST_MARKS - 1)).max(1);
-    // Half of them evenly, half where coarse levels follow each other fast: every share of the vertices there.
+    // Half of the marks evenly spaced, half where coarse levels follow each other fast: a mark every `vertices / share`
+    // there.
     let (even, budget) = (2 * stride, span as f64 / stride as f64 / 2.0);
     let dense = |share: usize| share as f64 * ((share * even) as f64 / base.max(1) as f64).max(1.0).ln();
     let share = (1..=16).rev().find(|&share| dense(share) <= budget).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! One drawn instance: an index buffer that moves between resolutions for the cost of what differs.
+//! A drawn instance: an index buffer moved between resolutions at the cost of the difference.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,28 +11,28 @@ const DIRTY_SHIFT: u32 = 6;
 /// Most dirty ranges handed out at once.
 const MOST_RANGES: usize = 32;
 
-/// What one move of a cursor did.
+/// Report on a move of a cursor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Change {
-    /// Where it was.
+    /// Resolution before the move.
     pub from: Resolution,
-    /// Where it is.
+    /// Resolution after the move.
     pub to: Resolution,
-    /// Indices written, those written several times counted as often.
+    /// Indices written; an index written twice counts twice.
     pub written: usize,
 }
 
-/// One drawn instance of a totally ordered mesh: owns its index buffer.
+/// A drawn instance of a totally ordered mesh; owns its index buffer.
 ///
-/// 12 bytes a triangle of the full resolution, plus one bit per 64 indices. Allocates when it is made and never after.
+/// 12 bytes a triangle of the full resolution, plus 1 bit per 64 indices. Allocates when it is made, never after.
 ///
 /// ```text
 ///     buffer   | drawn: indices() ............ | not drawn: waits for finer resolutions |
 /// ```
 ///
-/// Keep a copy of [`TomCursor::buffer`] on the GPU: write the ranges that [`TomCursor::take_dirty`] names, draw
-/// [`TomCursor::ranges`]. Triangles that come back need no upload, they are there.
+/// Keep a copy of [`TomCursor::buffer`] on the GPU: write the ranges named by [`TomCursor::take_dirty`], draw
+/// [`TomCursor::ranges`]. Triangles coming back need no upload: the copy still holds them.
 #[derive(Debug, Clone)]
 pub struct TomCursor {
     indices: Indices,
@@ -41,7 +41,7 @@ pub struct TomCursor {
 }
 
 impl TomCursor {
-    /// A cursor at full resolution, all of it dirty.
+    /// Makes a cursor at full resolution, all of it dirty.
     pub fn new(steps: Arc<TomSteps>) -> Self {
         let indices = Indices::new(steps);
         let bits = indices.buffer().len().div_ceil(1 << DIRTY_SHIFT);
@@ -52,43 +52,42 @@ impl TomCursor {
         Self { indices, dirty_map, dirty: Vec::with_capacity(MOST_RANGES + 1) }
     }
 
-    /// The mesh and the table this moves by.
+    /// Returns the mesh with its table of steps.
     pub fn steps(&self) -> &Arc<TomSteps> {
         self.indices.steps()
     }
 
-    /// Where it is.
+    /// Returns the current resolution.
     pub fn resolution(&self) -> Resolution {
         self.indices.resolution()
     }
 
-    /// The indices to draw, equal to what [`fill_indices`](super::TotallyOrderedMesh::fill_indices) gives. With
-    /// [`TomSteps::by_material`] the stretches of the materials have gaps between them: draw [`TomCursor::ranges`]
-    /// instead.
+    /// Returns the indices to draw, equal to the output of [`fill_indices`](super::TotallyOrderedMesh::fill_indices).
+    /// With [`TomSteps::by_material`] the slice has gaps between materials: draw [`TomCursor::ranges`] instead.
     pub fn indices(&self) -> &[u32] {
         let end = self.ranges().iter().map(|r| r.start + r.count).max().unwrap_or(0);
         &self.buffer()[..end as usize]
     }
 
-    /// The whole buffer, undrawn triangles included: what the GPU's copy holds.
+    /// Returns the whole buffer, undrawn triangles included: the content of the GPU's copy.
     pub fn buffer(&self) -> &[u32] {
         self.indices.buffer()
     }
 
-    /// What to draw: one range of [`TomCursor::buffer`] per material, or a single one. Empty ones are included.
+    /// Returns the ranges of [`TomCursor::buffer`] to draw: 1 per material, or a single range. Includes empty ranges.
     pub fn ranges(&self) -> &[MaterialRange] {
         self.indices.ranges()
     }
 
-    /// Bytes of this cursor's own arrays.
+    /// Returns the bytes of this cursor's own arrays.
     pub fn memory(&self) -> usize {
         self.indices.memory()
             + size_of_val(&self.dirty_map[..])
             + self.dirty.capacity() * size_of::<Range<usize>>()
     }
 
-    /// Moves to a resolution of this mesh. O(corners that the steps between rewrite), about 4 a vertex between, plus
-    /// one walk as in [`at`](super::TotallyOrderedMesh::at).
+    /// Moves to a resolution of this mesh. O(corners rewritten by the steps between), about 4 per vertex between, plus
+    /// a walk as in [`at`](super::TotallyOrderedMesh::at).
     pub fn seek(&mut self, resolution: Resolution) -> Change {
         let Self { indices, dirty_map, .. } = self;
         indices.seek(resolution, |place| {
@@ -97,8 +96,9 @@ impl TomCursor {
         })
     }
 
-    /// The ranges of [`TomCursor::buffer`] written since the last call, ascending, apart, at most 32: nearby ones are
-    /// merged, so they cover some unchanged indices. All of it after [`TomCursor::new`].
+    /// Returns the ranges of [`TomCursor::buffer`] written since the last call: ascending, disjoint, at most 32.
+    /// Nearby ranges are merged and so cover some unchanged indices. After [`TomCursor::new`], returns all of the
+    /// buffer.
     pub fn take_dirty(&mut self) -> &[Range<usize>] {
         let bits = self.dirty_map.len() * 64;
         // Merge over larger and larger gaps until the ranges are few.
@@ -129,7 +129,7 @@ impl TomCursor {
     }
 }
 
-/// The set bits, ascending.
+/// Returns the positions of the set bits, ascending.
 fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
     words.iter().enumerate().filter(|&(_, &word)| word != 0).flat_map(|(i, &word)| {
         let mut rest = word;

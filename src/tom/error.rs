@@ -1,4 +1,4 @@
-//! Why a totally ordered mesh could not be built, or its parts not be taken.
+//! Errors of building a totally ordered mesh or of taking its parts.
 
 use crate::simplify::{OptionError, SequenceError};
 
@@ -6,23 +6,23 @@ use crate::simplify::{OptionError, SequenceError};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TomError {
-    /// The sequence makes new vertices; vertex substitution needs endpoint placement, which makes none.
+    /// The sequence makes new vertices. Vertex substitution needs endpoint placement, which makes none.
     #[error("the sequence makes {count} new vertices; a totally ordered mesh needs endpoint placement")]
     NewVertices {
-        /// How many new vertices there are.
+        /// Number of new vertices.
         count: usize,
     },
     /// The sequence does not hold together, or belongs to another mesh.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// An array is longer or shorter than the others ask for.
+    /// An array's length does not match the other arrays, or exceeds the supported limit.
     #[error("there are {found} {what} where {expected} are needed")]
     Length {
-        /// What was counted.
+        /// The elements counted.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements found.
         found: usize,
-        /// How many are needed, or the most that are supported.
+        /// Number needed, or the most supported.
         expected: usize,
     },
     /// A base vertex is not its own substitute.
@@ -31,7 +31,7 @@ pub enum TomError {
         /// The vertex.
         vertex: usize,
     },
-    /// A vertex is substituted by itself or by a later one.
+    /// A vertex is substituted by itself or by a later vertex.
     #[error("vertex {vertex} is substituted by {substitute}, which does not come before it")]
     LateSubstitute {
         /// The vertex.
@@ -39,7 +39,8 @@ pub enum TomError {
         /// Its substitute.
         substitute: u32,
     },
-    /// A vertex is joined to the one before it, but is in the base, the first after it, or not there.
+    /// A vertex is joined to the vertex before it, but is in the base, comes first after the base, or does not
+    /// exist.
     #[error("vertex {vertex} is joined to the one before it, but one of the two is never removed")]
     Group {
         /// The vertex.
@@ -50,9 +51,9 @@ pub enum TomError {
     Corner {
         /// Index of the triangle.
         triangle: usize,
-        /// The vertex it names.
+        /// The vertex named.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A triangle has two equal corners at full resolution.
@@ -61,36 +62,36 @@ pub enum TomError {
         /// Index of the triangle.
         triangle: usize,
     },
-    /// A triangle vanishes later than the one before it.
+    /// A triangle vanishes later than the triangle before it.
     #[error("triangle {triangle} vanishes at a coarser resolution than the one before it")]
     TriangleOrder {
         /// Index of the triangle.
         triangle: usize,
     },
-    /// An error mark is out of order, not at a step's end, below zero, NaN, or above a coarser one.
+    /// An error mark is out of order, not at a step's end, below zero, NaN, or above a coarser mark.
     #[error("error mark {mark} is out of order, not at a resolution of the mesh, or not a falling bound")]
     ErrorMark {
         /// Index of the mark.
         mark: usize,
     },
-    /// A triangle's material has no entry in the list of materials, or that list is not strictly ascending.
+    /// A triangle's material has no entry in the list of materials, or the list is not strictly ascending.
     #[error("material entry {entry} does not fit the list of material ids")]
     Material {
         /// Index of the triangle, or of the entry in the list.
         entry: usize,
     },
-    /// The corners that all steps together rewrite are more than can be numbered.
+    /// The steps together rewrite more corners than can be numbered.
     #[error("the steps rewrite {count} corners, more than the {limit} supported")]
     TooManyMoves {
-        /// How many there are.
+        /// Number of corners rewritten.
         count: u64,
-        /// How many are supported.
+        /// Most corners supported.
         limit: u64,
     },
     /// An option of the simplification makes no sense.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Whoever was told of the progress said to stop.
+    /// The progress callback asked to stop.
     #[error("the build was cancelled")]
     Cancelled,
 }

@@ -1,45 +1,45 @@
-//! The indices of a resolution: copy the first triangles, then replace what is not active.
+//! The indices of a resolution: copy the first triangles, then replace every inactive corner.
 //!
-//! At full resolution that is a copy. Below it, corners need a different number of hops each, and a loop per corner would
-//! spend its time on mispredicted branches. There are two ways round that:
+//! At full resolution, extraction is a copy. Below it, corners need different numbers of hops along their substitution
+//! chains, and a loop per corner would spend its time on mispredicted branches. Two ways avoid them:
 //!
-//! - A table of what stands for every vertex. Substitutes come before what they stand for, so one pass in order fills it
-//!   with one load a vertex, and corners are then looked up. Best where there are corners enough to pay for it.
-//! - For coarse resolutions, corners in lanes of eight, each making some hops as a conditional move, then hops in lanes
-//!   until all eight are there.
+//! - A table with the active substitute of every vertex. Substitutes come before the vertices they replace, so a single pass
+//!   in order fills the table with one load a vertex. Corners are then looked up. Best where there are enough corners to pay
+//!   for it.
+//! - For coarse resolutions, corners in lanes of eight, each making some hops as conditional moves, then hops in lanes until
+//!   all eight are active.
 
 use super::{Resolution, TotallyOrderedMesh};
 use crate::mesh::NONE;
 
-/// Corners that hop together.
+/// Corners hopping together.
 const LANES: usize = 8;
-/// Hops that all lanes make before it is asked whether they are there.
+/// Hops made by all lanes before the first test for active corners.
 const HOPS: usize = 3;
 
-/// Where the triangles of one material lie in a filled index buffer.
+/// The range of a material's triangles in a filled index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct MaterialRange {
-    /// The material id; `u32::MAX` where the triangles are not told apart by material.
+    /// The material id; `u32::MAX` where triangles are not separated by material.
     pub material: u32,
     /// First index in the buffer.
     pub start: u32,
-    /// Number of indices from there, three per triangle.
+    /// Number of indices in the range, three per triangle.
     pub count: u32,
 }
 
 impl TotallyOrderedMesh {
-    /// The number of indices that a resolution takes.
+    /// Returns the number of indices of a resolution.
     pub fn index_count(&self, resolution: Resolution) -> usize {
         3 * self.clamp(resolution).triangles()
     }
 
-    /// Fills `out` with the indices of a resolution, replacing what it held. No index reaches
-    /// [`Resolution::vertices`].
+    /// Fills `out` with the indices of a resolution, replacing its contents. All indices are below [`Resolution::vertices`].
     ///
-    /// O(output + vertices) for at least a quarter as many indices as vertices, else O(output times the mean number of hops,
-    /// [`TotallyOrderedMesh::traversal_overhead`]). The room behind the indices serves as a table: allocates only where
-    /// `out` has a capacity below indices plus vertices.
+    /// O(output + vertices) if there are at least a quarter as many indices as vertices, else O(output * mean number of
+    /// hops), see [`TotallyOrderedMesh::traversal_overhead`]. The room behind the indices serves as a table: allocates only
+    /// if the capacity of `out` is below indices plus vertices.
     pub fn fill_indices(&self, resolution: Resolution, out: &mut Vec<u32>) {
         let resolution = self.clamp(resolution);
         out.clear();
@@ -47,8 +47,8 @@ impl TotallyOrderedMesh {
         self.substitute_in(resolution.vertices, out);
     }
 
-    /// Writes the indices of a resolution to the front of `out`, as many whole triangles as fit, and returns how many
-    /// indices that were; [`TotallyOrderedMesh::index_count`] says how many there are.
+    /// Writes the indices of a resolution to the front of `out`, as many whole triangles as fit. Returns the number of
+    /// indices written. [`TotallyOrderedMesh::index_count`] returns the number needed.
     pub fn write_indices(&self, resolution: Resolution, out: &mut [u32]) -> usize {
         let resolution = self.clamp(resolution);
         let stored = self.stored(resolution);
@@ -58,9 +58,9 @@ impl TotallyOrderedMesh {
         count
     }
 
-    /// Fills `out` with the indices of a resolution sorted by material, and `ranges` with one entry per material of
-    /// [`TotallyOrderedMesh::material_ids`], in that order (empty ones included): one drawing call each. Within a
-    /// material the order is that of [`TotallyOrderedMesh::fill_indices`]. A mesh without materials has one range.
+    /// Fills `out` with the indices of a resolution sorted by material, and `ranges` with an entry per material, in the
+    /// order of [`TotallyOrderedMesh::material_ids`], empty ranges included: a drawing call each. Within a material, keeps
+    /// the order of [`TotallyOrderedMesh::fill_indices`]. A mesh without materials has a single range.
     pub fn fill_by_material(
         &self,
         resolution: Resolution,
@@ -100,8 +100,8 @@ impl TotallyOrderedMesh {
         self.substitute_in(resolution.vertices, out);
     }
 
-    /// Hops along substitution chains per corner drawn: the extra vertices that extraction visits (TOM, figure 6). 0 at
-    /// full resolution. O(what it counts).
+    /// Returns the hops along substitution chains per drawn corner: the extra vertices visited by extraction (TOM, figure
+    /// 6). 0 at full resolution. O(corners + hops).
     pub fn traversal_overhead(&self, resolution: Resolution) -> f64 {
         let resolution = self.clamp(resolution);
         let stored = self.stored(resolution);
@@ -120,7 +120,7 @@ impl TotallyOrderedMesh {
         self.triangles[..resolution.triangles()].as_flattened()
     }
 
-    /// Replaces every corner by the active vertex that stands for it.
+    /// Replaces every corner by its active substitute.
     fn substitute_in(&self, active: u32, corners: &mut Vec<u32>) {
         let vertices = self.substitute.len();
         if active as usize == vertices {
@@ -144,7 +144,7 @@ impl TotallyOrderedMesh {
     }
 }
 
-/// `active` is at least the base, where chains end.
+/// Replaces corners by their active substitutes, in lanes. `active` is at least the base, where chains end.
 fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
     let mut chunks = corners.chunks_exact_mut(LANES);
     for corners in &mut chunks {
@@ -165,8 +165,8 @@ fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
     }
 }
 
-/// One hop for each lane that is not there yet. All lanes load before any chooses: written so, and with indices, the
-/// choice compiles to conditional moves; with iterators over both at once it has been seen to compile to branches.
+/// Makes a hop in each lane not active yet. All lanes load before any chooses. In this order, and with indices, the choice
+/// compiles to conditional moves; with iterators over both arrays at once, it has been seen to compile to branches.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)]
 fn hop(substitute: &[u32], active: u32, lanes: &mut [u32; LANES]) {

@@ -1,10 +1,10 @@
-//! An index buffer that moves between resolutions for the cost of what differs.
+//! An index buffer moved between resolutions at the cost of the difference.
 //!
 //! ```text
 //!     buffer   | drawn of material 0 ...... | not drawn | drawn of material 1 ... | not drawn |
 //! ```
 //!
-//! A triangle that vanishes keeps its place and the corners it had; when it comes back, those are the right ones.
+//! A vanishing triangle keeps its place and its corners. When the triangle comes back, the corners are right.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub(super) struct Indices {
 }
 
 impl Indices {
-    /// At full resolution.
+    /// Makes the buffer at full resolution.
     pub fn new(steps: Arc<TomSteps>) -> Self {
         let tom = steps.tom();
         let mut buffer = vec![0; 3 * tom.triangle_count()];
@@ -41,21 +41,21 @@ impl Indices {
         self.resolution
     }
 
-    /// All places, drawn or not.
+    /// Returns all places, drawn or not.
     pub fn buffer(&self) -> &[u32] {
         &self.buffer
     }
 
-    /// What is drawn of each material, or of all.
+    /// Returns the drawn range of each material, or a single range.
     pub fn ranges(&self) -> &[MaterialRange] {
         &self.ranges
     }
 
-    /// Moves to a resolution of this mesh. `wrote` is told every place that was written, some twice.
+    /// Moves to a resolution of this mesh. Calls `wrote` with every place written, with some places twice.
     pub fn seek(&mut self, resolution: Resolution, mut wrote: impl FnMut(u32)) -> Change {
         let Self { steps, buffer, ranges, resolution: from } = self;
         let (tom, from) = (steps.tom(), *from);
-        // Whole groups, whatever mesh the resolution was made for.
+        // Rounds to whole groups, since the resolution may come from another mesh.
         let to = tom.resolution(tom.boundary_at_most(tom.clamp(resolution).vertices));
         let mut written = 0;
         let mut write = |places: &[u32], vertex: u32| {
@@ -86,7 +86,7 @@ impl Indices {
         Change { from, to, written }
     }
 
-    /// Bytes of its arrays.
+    /// Returns the bytes of its arrays.
     pub fn memory(&self) -> usize {
         size_of_val(&self.buffer[..]) + size_of_val(&self.ranges[..])
     }

@@ -1,4 +1,4 @@
-//! One drawn instance of a totally ordered mesh: one resolution for all of the model, by what its nearest point asks for.
+//! A drawn instance of a totally ordered mesh: a single resolution for all of the model, set by the model's nearest point.
 //!
 //! ```text
 //!     where vertices move: one transition at a time between two resolutions, drawn with the finer one's triangles
@@ -19,22 +19,22 @@ use crate::view::{Bounds, Criterion, Motion, ObjectView};
 use super::indices::Indices;
 use super::{Resolution, TotallyOrderedMesh};
 
-/// One drawn instance of a [`TotallyOrderedMesh`], at the coarsest resolution whose error bound is within the tolerance at the
-/// point of the model's sphere that is nearest to the eye.
+/// A drawn instance of a [`TotallyOrderedMesh`], at the coarsest resolution with an error bound within the tolerance at the
+/// point of the model's bounding sphere nearest to the eye.
 ///
-/// Vertices in use come first in the total order, so a packed vertex buffer is a prefix of the whole one, and what was
-/// uploaded once is not uploaded again. Triangles that vanish keep their place behind those that are drawn, so the same
-/// holds for them.
+/// Vertices in use come first in the total order, so a packed vertex buffer is a prefix of the whole buffer, and an uploaded
+/// vertex is not uploaded again. A vanished triangle keeps its place behind the drawn triangles, and is not uploaded again
+/// either.
 #[derive(Debug, Clone)]
 pub struct TomLod<V> {
     model: Baked<TotallyOrderedMesh>,
     options: LodOptions,
     factor: f32,
     views: Vec<ObjectView>,
-    /// Around all of the model, with an error of one diagonal.
+    /// Bounding sphere of the model, with the diagonal as its error.
     bounds: Bounds,
     diagonal: f32,
-    /// What the views ask for, within the limit of triangles.
+    /// Resolution asked for by the views, within the triangle limit.
     wanted: Resolution,
     indices: Indices,
     /// Written places of triangles, drawn or not.
@@ -45,14 +45,14 @@ pub struct TomLod<V> {
     moving: Option<Moving<V>>,
 }
 
-/// Vertices that move.
+/// State of moving vertices.
 #[derive(Debug, Clone)]
 struct Moving<V> {
     mix: Mix<V>,
-    /// Per vertex what is drawn.
+    /// Drawn value of each vertex.
     drawn: Vec<V>,
     transition: Option<Transition>,
-    /// Per vertex between the two resolutions of the transition the one that it moves to.
+    /// Target of each vertex between the two resolutions of the transition.
     targets: Vec<u32>,
 }
 
@@ -73,7 +73,7 @@ fn mix_for<V: Vertex>(values: &Values<V>, options: &LodOptions) -> Result<Option
 }
 
 impl<V: Vertex> TomLod<V> {
-    /// At the coarsest resolution. There are as many values as vertices.
+    /// Makes an instance at the coarsest resolution. Needs as many values as vertices.
     pub(super) fn of(
         model: &Baked<TotallyOrderedMesh>,
         values: Values<V>,
@@ -85,7 +85,7 @@ impl<V: Vertex> TomLod<V> {
         }
         let mix = mix_for(&values, options)?;
         let [low, high] = model.bounds().unwrap_or_default().map(glam::Vec3::from_array);
-        // Half of each first, so that no box is too large for it.
+        // Halves first, so no box overflows.
         let (centre, radius) = (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).length());
         let diagonal = (2.0 * radius).min(f32::MAX);
         let mut indices = Indices::new(Arc::clone(model.table()?));
@@ -109,22 +109,22 @@ impl<V: Vertex> TomLod<V> {
         Ok(lod)
     }
 
-    /// The structure.
+    /// Returns the structure.
     pub fn tom(&self) -> &Arc<TotallyOrderedMesh> {
         self.model.structure()
     }
 
-    /// The resolution whose triangles are drawn.
+    /// Returns the drawn resolution.
     pub fn resolution(&self) -> Resolution {
         self.indices.resolution()
     }
 
-    /// The values that are drawn, of every vertex of the structure.
+    /// Returns the drawn values of all vertices of the structure.
     pub fn values(&self) -> &[V] {
         self.moving.as_ref().map_or(&self.values, |moving| &moving.drawn)
     }
 
-    /// What is asked for from now on: moves there, and on if vertices are on their way.
+    /// Sets the wanted resolution and moves towards it. A running transition advances by `progress`.
     fn follow(&mut self, wanted: Resolution, progress: f32) -> Change {
         let before = self.indices.resolution();
         self.wanted = wanted;
@@ -143,7 +143,7 @@ impl<V: Vertex> TomLod<V> {
         self.change(before)
     }
 
-    /// What has happened since a resolution was drawn.
+    /// Reports the change from resolution `before` to the drawn resolution.
     fn change(&self, before: Resolution) -> Change {
         let now = self.indices.resolution();
         Change {
@@ -159,20 +159,20 @@ impl<V: Vertex> TomLod<V> {
         }
     }
 
-    /// What the limit of triangles leaves of a resolution.
+    /// Returns `wanted`, or if it has too many triangles, the finest resolution within the triangle limit.
     fn within_limit(&self, wanted: Resolution) -> Resolution {
         let Some(most) = self.options.triangles else { return wanted };
         if wanted.triangles() <= most { wanted } else { self.tom().at(Level::Triangles(most)) }
     }
 
-    /// Whether more is drawn than the limit allows, and need not be.
+    /// Holds while more triangles are drawn than the limit allows, and fewer are possible.
     fn is_above_limit(&self) -> bool {
         let now = self.indices.resolution();
         self.options.triangles.is_some_and(|most| now.triangles() > most)
             && now.vertices() > self.tom().coarsest().vertices()
     }
 
-    /// As far towards a resolution as one call may go, at least one step.
+    /// Returns the resolution reached towards `wanted` in a single call: at most `operations` vertices away, at least a step.
     fn step_towards(&self, wanted: Resolution) -> Resolution {
         let (tom, now) = (self.tom(), self.indices.resolution());
         let Some(most) = self.options.operations else { return wanted };
@@ -184,7 +184,7 @@ impl<V: Vertex> TomLod<V> {
             return if to.vertices() > now.vertices() { to } else { tom.finer(now).unwrap_or(now) };
         }
         let to = tom.at(Level::Vertices(now.vertices().saturating_sub(most)));
-        // Whole groups: one that was cut into is left for the next call, unless it is the first.
+        // Whole groups: a group cut in two is left for the next call, unless it is the first.
         let to = if to.vertices() + most < now.vertices() { tom.finer(to).unwrap_or(to) } else { to };
         if to.vertices() < now.vertices() { to } else { tom.coarser(now).unwrap_or(now) }
     }
@@ -193,7 +193,7 @@ impl<V: Vertex> TomLod<V> {
         self.moving.as_ref().and_then(|moving| moving.transition.as_ref())
     }
 
-    /// The transition goes on by a share of its way, and ends where it has come there.
+    /// Advances the transition by a share of its way, and ends it on arrival.
     fn advance(&mut self, progress: f32) {
         let Some(Moving { transition: Some(transition), .. }) = &mut self.moving else { return };
         let Transition { share, opening, coarse, .. } = transition;
@@ -209,7 +209,7 @@ impl<V: Vertex> TomLod<V> {
         }
     }
 
-    /// Turns the transition round where what is wanted lies on the other side.
+    /// Reverses the transition where the wanted resolution lies on its other side.
     fn turn(&mut self) {
         let wanted = self.wanted.vertices();
         let Some(Moving { transition: Some(t), .. }) = &mut self.moving else { return };
@@ -218,7 +218,7 @@ impl<V: Vertex> TomLod<V> {
         }
     }
 
-    /// Starts a transition; the first step of it is taken with the next call.
+    /// Starts a transition, to be advanced by the next call. Out of view, or if `progress >= 1`, moves there at once.
     fn start(&mut self, to: Resolution, progress: f32) {
         let now = self.indices.resolution();
         if to.vertices() == now.vertices() {
@@ -241,7 +241,7 @@ impl<V: Vertex> TomLod<V> {
         }
     }
 
-    /// Writes where vertices of the transition are.
+    /// Writes the blended values of the transition's vertices.
     fn place(&mut self) {
         let Some(Moving { mix, drawn, transition: Some(t), targets }) = &mut self.moving else { return };
         for (vertex, &target) in (t.coarse.vertices..t.fine.vertices).zip(&*targets) {
@@ -266,13 +266,13 @@ impl<V: Vertex> TomLod<V> {
         indices.seek(to, |place| dirty_triangles.mark(place / 3));
     }
 
-    /// Places of the triangles of a group that are drawn.
+    /// Returns the places of a group's drawn triangles.
     fn places(&self, group: usize) -> std::ops::Range<usize> {
         let range = self.indices.ranges().get(group).copied().unwrap_or_default();
         range.start as usize / 3..(range.start + range.count) as usize / 3
     }
 
-    /// Vertices that lie in the buffer.
+    /// Returns the number of vertices in the buffer.
     fn buffered(&self) -> usize {
         match self.options.buffer {
             VertexBuffer::Packed => self.indices.resolution().vertices(),
@@ -295,10 +295,10 @@ impl<V: Vertex> Lod for TomLod<V> {
         };
         self.views.clear();
         self.views.extend_from_slice(views);
-        // By how much tolerances would have to grow for an error of one diagonal to be none too large: what is left of the
-        // diagonal is the largest error that is allowed.
+        // The urgency is the factor by which tolerances must grow to allow an error of a whole diagonal. Hence the largest
+        // allowed error is `diagonal * factor / urgency`.
         let urgency = views.urgency(&self.bounds);
-        // What is in focus is needed for no error at all.
+        // A model in focus is drawn at full resolution.
         let is_in_focus = views.test(&Bounds { error: 0.0, parametric: 0.0, ..self.bounds }).refine;
         let level = if is_in_focus {
             Level::Ratio(1.0)
@@ -407,7 +407,7 @@ impl<V: Vertex> Lod for TomLod<V> {
         Draws::new(self)
     }
 
-    /// What is not drawn keeps its marks: nobody uploaded it.
+    /// Clears the marks of drawn triangles and buffered vertices. All others keep their marks: nobody uploaded them.
     fn clean(&mut self) {
         for group in 0..self.groups() {
             let places = self.places(group);

@@ -1,13 +1,13 @@
-//! The resolution that comes nearest to the level of detail asked for.
+//! From a level of detail to a resolution.
 
 use crate::lod::Level;
 
 use super::TotallyOrderedMesh;
 
-/// One resolution of a totally ordered mesh: whole groups of vertices, and the triangles they span.
+/// A resolution of a totally ordered mesh: whole groups of vertices, and the triangles spanned by them.
 ///
-/// Belongs to the mesh that gave it. Another mesh takes it too, without panicking, but what it draws then may lack whole
-/// steps or show half of a seam.
+/// Belongs to the mesh that returned it. Another mesh takes it without panicking, but may then draw incomplete steps or
+/// half of a seam.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Resolution {
     pub(super) vertices: u32,
@@ -16,36 +16,37 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Active vertices: the first so many are all that is drawn.
+    /// Returns the number of active vertices: the first `vertices()` vertices are all that is drawn.
     pub fn vertices(&self) -> usize {
         self.vertices as usize
     }
 
-    /// Triangles drawn.
+    /// Returns the number of drawn triangles.
     pub fn triangles(&self) -> usize {
         self.triangles as usize
     }
 
-    /// A bound for the error, object units; what it bounds is the simplifier's to say. 0 at full resolution.
+    /// Returns a bound for the error, object units, as defined by the simplifier. 0 at full resolution.
     pub fn error(&self) -> f32 {
         self.error
     }
 }
 
 impl TotallyOrderedMesh {
-    /// The full resolution.
+    /// Returns the full resolution.
     pub fn finest(&self) -> Resolution {
         self.resolution(self.substitute.len() as u32)
     }
 
-    /// The base mesh.
+    /// Returns the resolution of the base mesh.
     pub fn coarsest(&self) -> Resolution {
         self.resolution(self.base_vertices)
     }
 
-    /// The finest resolution that does not exceed `level`, at least the base.
+    /// Returns the finest resolution within a count or ratio, or the coarsest resolution known to be within an error; at
+    /// least the base.
     ///
-    /// Several triangles vanish together, so not every count exists: the result says which one it is. O(log triangles)
+    /// Several triangles vanish together, so not every count exists: read the count off the result. O(log triangles)
     /// walks along substitution chains.
     pub fn at(&self, level: Level) -> Resolution {
         match level {
@@ -59,19 +60,19 @@ impl TotallyOrderedMesh {
                 None => self.finest(),
             },
             Level::Ratio(ratio) => {
-                // The cast takes NaN and below to 0; beyond 1 all is drawn.
+                // The cast takes NaN and negative ratios to 0; beyond 1 all is drawn.
                 self.at_triangles((f64::from(ratio) * self.triangles.len() as f64) as usize)
             }
         }
     }
 
-    /// The next coarser resolution: one group of vertices less. `None` at the base.
+    /// Returns the next coarser resolution: a group of vertices less. `None` at the base.
     pub fn coarser(&self, resolution: Resolution) -> Option<Resolution> {
         let active = self.clamp(resolution).vertices;
         (active > self.base_vertices).then(|| self.resolution(self.boundary_at_most(active - 1)))
     }
 
-    /// The next finer resolution: one group of vertices more. `None` at full resolution.
+    /// Returns the next finer resolution: a group of vertices more. `None` at full resolution.
     pub fn finer(&self, resolution: Resolution) -> Option<Resolution> {
         let mut active = self.clamp(resolution).vertices;
         if active as usize == self.substitute.len() {
@@ -88,14 +89,14 @@ impl TotallyOrderedMesh {
         if count >= self.triangles.len() {
             return self.finest();
         }
-        // The first triangle not drawn vanishes with this vertex's group; one group more would draw it.
+        // The first undrawn triangle vanishes with this vertex's group; another group would draw it.
         match self.last_vertex(count) {
             crate::mesh::NONE => self.coarsest(),
             last => self.resolution(self.boundary_at_most(last)),
         }
     }
 
-    /// The resolution of a boundary.
+    /// Returns the resolution of a group boundary.
     pub(super) fn resolution(&self, vertices: u32) -> Resolution {
         let error = if vertices as usize == self.substitute.len() {
             0.0
@@ -106,7 +107,7 @@ impl TotallyOrderedMesh {
         Resolution { vertices, triangles: self.triangles_at(vertices), error }
     }
 
-    /// Any resolution, brought into this mesh's range so that nothing it indexes is missing.
+    /// Clamps any resolution to this mesh's range, so all its indices are valid.
     pub(super) fn clamp(&self, resolution: Resolution) -> Resolution {
         Resolution {
             vertices: resolution.vertices.clamp(self.base_vertices, self.substitute.len() as u32),

@@ -1,4 +1,4 @@
-//! Totally ordered mesh (TOM): every level of detail in one vertex array, one triangle array and one index a vertex.
+//! Totally ordered mesh (TOM): all levels of detail in a vertex array, a triangle array and an index per vertex.
 //!
 //! ```text
 //!     vertices    base | last removed ... first removed        the first `resolution.vertices()` are active
@@ -6,25 +6,25 @@
 //!     triangles   base | last vanishing ... first vanishing    the first `resolution.triangles()` are drawn
 //! ```
 //!
-//! A corner that is not active is replaced by its substitute until it is: no other connectivity is stored (Bouvier and
-//! Gobbetti, *TOM: Totally Ordered Mesh*, section 3). With positions and normals of 24 bytes a vertex the whole takes at
+//! An inactive corner is replaced by its substitute until it is active: no other connectivity is stored (Bouvier and
+//! Gobbetti, *TOM: Totally Ordered Mesh*, section 3). With positions and normals of 24 bytes a vertex, the whole takes at
 //! most 108.5 % of the plain mesh.
 //!
-//! Vertices removed by one step are a *group* and come and go together, so that the wedges of a seam never part: the
-//! paper's degenerate triangles are not needed. The structure holds topology only. [`TotallyOrderedMesh::build`] hands
-//! out the order in which to put positions and whatever else belongs to a vertex; [`Baked`](crate::lod::Baked) puts them.
+//! Vertices removed by a single step form a *group*. They come and go together, so the wedges of a seam never part, and
+//! the paper's degenerate triangles are not needed. The structure holds topology only. [`TotallyOrderedMesh::build`]
+//! returns the order for positions and all other vertex data; [`Baked`](crate::lod::Baked) stores the data in this order.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `build.rs` | from a collapse sequence to the total order |
-//! | `level.rs` | [`Level`] asked for, [`Resolution`] given |
+//! | `level.rs` | from a [`Level`] to a [`Resolution`] |
 //! | `extract.rs` | the indices of a resolution, whole or by material |
 //! | `geomorph.rs` | where vertices move between two resolutions |
-//! | `steps.rs` | [`TomSteps`]: the corners that every step rewrites |
-//! | `baked.rs` | the structure under the one face of all structures |
-//! | `instance.rs` | [`TomLod`]: one drawn instance that follows the view |
-//! | `indices.rs` | an index buffer, moved for the cost of the difference |
-//! | `cursor.rs` | [`TomCursor`]: such a buffer, moved by whoever holds it |
+//! | `steps.rs` | [`TomSteps`]: the corners rewritten by every step |
+//! | `baked.rs` | the interface common to all structures |
+//! | `instance.rs` | [`TomLod`]: a drawn instance following the view |
+//! | `indices.rs` | an index buffer, moved at the cost of the difference |
+//! | `cursor.rs` | [`TomCursor`]: an index buffer, moved by its owner |
 //! | `validate.rs` | [`TomParts`] in and out, all promises checked |
 //!
 //! # Drawing
@@ -46,7 +46,7 @@
 //! # Ok::<(), multires::Error>(())
 //! ```
 //!
-//! Where the level follows a view, an instance finds it and moves its indices for the cost of the difference: [`TomLod`].
+//! To follow a view, use [`TomLod`]: it finds the level, and moves its indices at the cost of the difference.
 
 mod baked;
 mod build;
@@ -74,13 +74,13 @@ pub use validate::TomParts;
 
 use crate::mesh::NONE;
 
-/// From so many active vertices on, the error is at most this.
+/// A bound for the error from a number of active vertices on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ErrorMark {
     /// Active vertices of a resolution.
     pub vertices: u32,
-    /// Error bound there and at every finer one, object units.
+    /// Error bound of this resolution and every finer resolution, object units.
     pub error: f32,
 }
 
@@ -89,56 +89,56 @@ pub struct ErrorMark {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TomParts", into = "TomParts"))]
 pub struct TotallyOrderedMesh {
-    /// Per vertex an earlier one; base vertices are their own.
+    /// Earlier vertex that replaces each vertex; base vertices name themselves.
     substitute: Vec<u32>,
-    /// One bit a vertex: whether it comes and goes with the one before it. Empty where none does. Kept apart so that
-    /// following a chain is one load a hop.
+    /// 1 bit a vertex, set if it comes and goes with the vertex before it. Empty if no bit is set. Kept apart so that
+    /// following a chain is a single load a hop.
     joined: Vec<u64>,
     base_vertices: u32,
     /// Corners at full resolution, last vanishing first.
     triangles: Vec<[u32; 3]>,
     /// Ascending in vertices, falling in error; the first is the base.
     error_marks: Vec<ErrorMark>,
-    /// Per triangle an index into `material_ids`; empty with one material or none.
+    /// Per triangle an index into `material_ids`; empty with fewer than 2 materials.
     material_of: Vec<u32>,
     /// The material ids in use, ascending.
     material_ids: Vec<u32>,
 }
 
 impl TotallyOrderedMesh {
-    /// Vertices of the full resolution: those of the input without duplicates and unused ones.
+    /// Returns the number of vertices of the full resolution: the input's, without duplicates and unused vertices.
     pub fn vertex_count(&self) -> usize {
         self.substitute.len()
     }
 
-    /// Triangles of the full resolution: those of the input without degenerate ones.
+    /// Returns the number of triangles of the full resolution: the input's, without degenerate triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Corners of all triangles at full resolution, those that vanish last first.
+    /// Returns the corners of all triangles at full resolution, last vanishing first.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The vertex that takes a vertex's place once it is not active; itself for a base vertex, `None` out of range.
+    /// Returns the vertex that replaces an inactive vertex: itself for a base vertex, `None` out of range.
     pub fn substitute(&self, vertex: u32) -> Option<u32> {
         self.substitute.get(vertex as usize).copied()
     }
 
-    /// The error bounds that [`Resolution::error`] is read from: about one per 128 vertices, at most 1024, ascending in
-    /// vertices and falling in error. The first is the base; the full resolution has error 0 and no entry.
+    /// Returns the error bounds behind [`Resolution::error`]: about 1 per 128 vertices, at most 1024, ascending in
+    /// vertices and falling in error. The first is the base. The full resolution has error 0 and no entry.
     pub fn error_marks(&self) -> &[ErrorMark] {
         &self.error_marks
     }
 
-    /// The material ids in use, ascending; empty where the mesh has no materials.
+    /// Returns the material ids in use, ascending; empty where the mesh has no materials.
     pub fn material_ids(&self) -> &[u32] {
         &self.material_ids
     }
 
-    /// Bytes of this structure's arrays plus `vertex_bytes` (position and attributes) for every vertex: what one object
-    /// takes in memory at all levels of detail.
+    /// Returns the bytes of this structure's arrays plus `vertex_bytes` (position and attributes) for every vertex: the
+    /// memory of an object at all levels of detail.
     pub fn memory(&self, vertex_bytes: usize) -> usize {
         size_of_val(&self.substitute[..])
             + size_of_val(&self.joined[..])
@@ -149,7 +149,7 @@ impl TotallyOrderedMesh {
             + vertex_bytes * self.vertex_count()
     }
 
-    /// The vertex standing for `vertex` where `active` vertices are; `active` is at least the base.
+    /// Returns the substitute of `vertex` among the first `active` vertices. `active` is at least the base.
     fn resolve(&self, mut vertex: u32, active: u32) -> u32 {
         while vertex >= active {
             vertex = self.substitute[vertex as usize];
@@ -157,8 +157,8 @@ impl TotallyOrderedMesh {
         vertex
     }
 
-    /// The vertex with whose substitution a triangle vanishes, `NONE` for a base triangle: substitute the last of its
-    /// corners until two agree (TOM, section 3.2).
+    /// Returns the vertex whose substitution makes a triangle vanish, `NONE` for a base triangle: substitutes the last
+    /// corner until two corners agree (TOM, section 3.2).
     fn last_vertex(&self, triangle: usize) -> u32 {
         let [mut a, mut b, mut c] = self.triangles[triangle];
         let mut last = NONE;
@@ -179,17 +179,17 @@ impl TotallyOrderedMesh {
         last
     }
 
-    /// Whether a vertex comes and goes with the one before it.
+    /// Holds if a vertex comes and goes with the vertex before it.
     fn is_joined(&self, vertex: u32) -> bool {
         self.joined.get(vertex as usize / 64).is_some_and(|word| word >> (vertex % 64) & 1 != 0)
     }
 
-    /// Whether this many active vertices are whole groups.
+    /// Holds if this many active vertices are whole groups.
     fn is_boundary(&self, vertices: u32) -> bool {
         (self.base_vertices..=self.substitute.len() as u32).contains(&vertices) && !self.is_joined(vertices)
     }
 
-    /// The largest boundary that is at most `vertices`, or the base. O(size of one group).
+    /// Returns the largest boundary of at most `vertices`, or the base. O(size of a group).
     fn boundary_at_most(&self, vertices: u32) -> u32 {
         let mut vertices = vertices.clamp(self.base_vertices, self.substitute.len() as u32);
         while !self.is_boundary(vertices) {
@@ -198,7 +198,7 @@ impl TotallyOrderedMesh {
         vertices
     }
 
-    /// Triangles drawn with so many active vertices (whole groups). O(log triangles) walks.
+    /// Returns the number of triangles drawn with `vertices` active vertices (whole groups). O(log triangles) walks.
     fn triangles_at(&self, vertices: u32) -> u32 {
         if vertices as usize == self.substitute.len() {
             return self.triangles.len() as u32;

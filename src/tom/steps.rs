@@ -1,13 +1,13 @@
-//! The corners that every step rewrites, for cursors to move by.
+//! The corners rewritten by every step: the table by which cursors move.
 //!
 //! ```text
 //!     vertex v = base, base + 1, ...    moves   the corners that hold v while it is active and take its substitute
 //!                                               when its group goes, in triangles that outlive the group
 //! ```
 //!
-//! A triangle that vanishes keeps its place at the end of the index buffer and the corners it had; when it comes back,
-//! those are the right ones. So this table is all that moving needs, it is shared by all cursors of a mesh, and a cursor
-//! is little more than its index buffer.
+//! A vanishing triangle keeps its place at the end of the index buffer and its corners. When the triangle comes back,
+//! the corners are right. So this table is all a move needs. All cursors of a mesh share it, and a cursor is little more
+//! than its index buffer.
 
 use std::sync::Arc;
 
@@ -15,47 +15,47 @@ use crate::mesh::NONE;
 
 use super::{MaterialRange, TomError, TotallyOrderedMesh};
 
-/// A totally ordered mesh with the corners that every step rewrites. Immutable; share it between [`TomCursor`]s.
+/// A totally ordered mesh with the corners rewritten by every step. Immutable; share it between [`TomCursor`]s.
 ///
 /// [`TomCursor`]: super::TomCursor
 #[derive(Debug, Clone, PartialEq)]
 pub struct TomSteps {
     tom: Arc<TotallyOrderedMesh>,
-    /// Start of each vertex's moves, from the first vertex after the base; one more than those.
+    /// Start of each vertex's moves, from the first vertex after the base, and the end of the last.
     move_start: Vec<u32>,
-    /// Places in the index buffer.
+    /// Places in the index buffer, vertex by vertex.
     moves: Vec<u32>,
-    /// Per triangle its place in the index buffer; empty where that is its own number.
+    /// Place of each triangle in the index buffer; empty where it is the triangle's own number.
     place: Vec<u32>,
-    /// Where each material's triangles start, none drawn.
+    /// Range of each material, with no triangles drawn.
     empty_ranges: Vec<MaterialRange>,
 }
 
 impl TomSteps {
-    /// For cursors whose index buffer is one range whatever the materials. O(moves), 3 to 4 a vertex.
+    /// Makes the table for cursors with a single range in the index buffer, whatever the materials. O(moves), 3 to 4 a
+    /// vertex.
     ///
     /// # Errors
-    /// The moves are more than 32 bits can number.
+    /// There are more moves than 32 bits can number.
     pub fn new(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
         Self::build(tom.into(), false)
     }
 
-    /// For cursors whose index buffer holds the triangles of each material in a stretch of its own, one drawing call
-    /// each.
+    /// Makes the table for cursors with a range per material in the index buffer, to be drawn by a call each.
     ///
     /// # Errors
-    /// The moves are more than 32 bits can number.
+    /// There are more moves than 32 bits can number.
     pub fn by_material(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
         Self::build(tom.into(), true)
     }
 
-    /// The mesh.
+    /// Returns the mesh.
     pub fn tom(&self) -> &Arc<TotallyOrderedMesh> {
         &self.tom
     }
 
-    /// Bytes of the mesh's and this table's own arrays, on closed meshes about 28 a vertex for the
-    /// mesh and 16 to 20 for the table.
+    /// Returns the bytes of the mesh's and this table's own arrays: on closed meshes about 28 a vertex for the mesh and
+    /// 16 to 20 for the table.
     pub fn memory(&self) -> usize {
         self.tom.memory(0)
             + size_of_val(&self.move_start[..])
@@ -64,23 +64,23 @@ impl TomSteps {
             + size_of_val(&self.empty_ranges[..])
     }
 
-    /// The places in the index buffer that hold `vertex` when its group becomes active.
+    /// Returns the places in the index buffer that hold `vertex` when its group becomes active.
     pub(super) fn moves(&self, vertex: u32) -> &[u32] {
         let at = (vertex - self.tom.base_vertices) as usize;
         &self.moves[self.move_start[at] as usize..self.move_start[at + 1] as usize]
     }
 
-    /// The place of a triangle in the index buffer.
+    /// Returns the place of a triangle in the index buffer.
     pub(super) fn place(&self, triangle: u32) -> u32 {
         self.place.get(triangle as usize).copied().unwrap_or(triangle)
     }
 
-    /// Bytes of the table alone.
+    /// Returns the bytes of the table alone.
     pub fn table_memory(&self) -> usize {
         self.memory() - self.tom.memory(0)
     }
 
-    /// The range that a triangle belongs to.
+    /// Returns the number of a triangle's range.
     pub(super) fn range_of(&self, triangle: u32) -> usize {
         if self.empty_ranges.len() > 1 { self.tom.material_of[triangle as usize] as usize } else { 0 }
     }
@@ -123,7 +123,7 @@ impl TomSteps {
     }
 }
 
-/// Where triangles lie in the index buffer, and the ranges of it.
+/// Lays out the triangles in the index buffer. Returns their places and the ranges.
 fn layout(tom: &TotallyOrderedMesh, by_material: bool) -> (Vec<u32>, Vec<MaterialRange>) {
     if !by_material || tom.material_of.is_empty() {
         let material = if by_material { tom.material_ids.first().copied() } else { None };
@@ -147,7 +147,7 @@ fn layout(tom: &TotallyOrderedMesh, by_material: bool) -> (Vec<u32>, Vec<Materia
     (places.collect(), ranges)
 }
 
-/// The first vertex of every vertex's group; 0 for base vertices.
+/// Returns the first vertex of every vertex's group; 0 for base vertices.
 fn group_firsts(tom: &TotallyOrderedMesh) -> Vec<u32> {
     let mut first = 0;
     let firsts = (0..tom.substitute.len() as u32).map(|v| {

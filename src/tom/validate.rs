@@ -1,4 +1,4 @@
-//! Every promise of a totally ordered mesh, checked; and the plain parts it is made of, in and out.
+//! Checks for every promise of a totally ordered mesh, and conversion from and to its plain parts.
 
 use crate::mesh::MAX_ELEMENTS;
 use crate::simplify::collapse_forest::{Forest, is_degenerate};
@@ -9,10 +9,10 @@ use super::{ErrorMark, TomError, TotallyOrderedMesh};
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TomParts {
-    /// Per vertex the one that takes its place, always an earlier one; base vertices (the first ones) name themselves.
+    /// Earlier vertex that replaces each vertex. Base vertices come first and name themselves.
     pub substitute: Vec<u32>,
-    /// One bit a vertex, 64 a word, lowest first: whether one step removes it together with the vertex before it. Unset
-    /// for base vertices and the one after them. Empty where no bit is set.
+    /// 1 bit a vertex, 64 a word, lowest first: set if a single step removes it together with the vertex before it.
+    /// Unset for base vertices and the vertex after them. Empty if no bit is set.
     pub joined: Vec<u64>,
     /// Number of base vertices.
     pub base_vertices: u32,
@@ -20,7 +20,7 @@ pub struct TomParts {
     pub triangles: Vec<[u32; 3]>,
     /// Error bounds at some resolutions, see [`TotallyOrderedMesh::error_marks`].
     pub error_marks: Vec<ErrorMark>,
-    /// Per triangle an index into `material_ids`; empty where that has fewer than two entries.
+    /// Per triangle an index into `material_ids`; empty with fewer than 2 materials.
     pub material_of: Vec<u32>,
     /// The material ids in use, ascending.
     pub material_ids: Vec<u32>,
@@ -55,14 +55,14 @@ impl TryFrom<TomParts> for TotallyOrderedMesh {
 }
 
 impl TotallyOrderedMesh {
-    /// Proves what every other call relies on: substitutes come before what they stand for, groups are marked, triangles
-    /// exist, have three corners and vanish in order, and error bounds fall. That a triangle which has vanished stays so
-    /// follows: equal corners have equal substitutes. O((vertices + triangles) log vertices).
+    /// Proves the promises behind every other call: substitutes come before the vertices they replace, groups are
+    /// marked, triangles exist, have three corners and vanish in order, and error bounds fall. Vanished triangles stay
+    /// vanished, because equal corners have equal substitutes. O((vertices + triangles) log vertices).
     ///
-    /// Holds for whatever [`TotallyOrderedMesh::build`] makes; parts and files are let in through it only.
+    /// Holds for every output of [`TotallyOrderedMesh::build`]. Parts and files are let in only through this check.
     ///
     /// # Errors
-    /// The first element that breaks a promise.
+    /// Names the first element to break a promise.
     pub fn validate(&self) -> Result<(), TomError> {
         let limit = |what, found, expected| {
             if found <= expected { Ok(()) } else { Err(TomError::Length { what, found, expected }) }

@@ -1,55 +1,55 @@
-//! A camera with the errors it forgives: eye, frustum and pixels, read from plain matrices.
+//! A camera with tolerances: eye, frustum and pixels, read from plain matrices.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
 use super::matrix::{columns, uniform_scale};
 
-/// Why a [`View`] could not be made.
+/// Error from creating a [`View`], or a view of an object.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
     /// A matrix holds an infinity or NaN.
     #[error("the {which} matrix has entries that are not finite")]
     NotFinite {
-        /// Which matrix.
+        /// Name of the matrix.
         which: &'static str,
     },
     /// A matrix cannot be inverted.
     #[error("the {which} matrix cannot be inverted")]
     Singular {
-        /// Which matrix.
+        /// Name of the matrix.
         which: &'static str,
     },
-    /// A field of view that is not between 0 and 180 degrees.
+    /// The field of view is not between 0 and 180 degrees.
     #[error("the field of view is {radians} radians, which is not between 0 and pi")]
     FieldOfView {
-        /// As given.
+        /// The given field of view, radians.
         radians: f32,
     },
-    /// A viewport without pixels.
+    /// The viewport has no pixels.
     #[error("the viewport of {width} x {height} has no pixels")]
     Viewport {
-        /// Pixels across.
+        /// Width, pixels.
         width: u32,
-        /// Pixels down.
+        /// Height, pixels.
         height: u32,
     },
-    /// An object's matrix with a last row that is not 0 0 0 1.
+    /// The last row of an object's matrix is not 0 0 0 1.
     #[error("the {which} matrix is no affine map")]
     NotAffine {
-        /// Which matrix.
+        /// Name of the matrix.
         which: &'static str,
     },
-    /// A camera's matrix that shears, or scales directions differently.
+    /// A camera's matrix shears, or scales directions differently.
     #[error("the {which} matrix is not a rotation, translation and uniform scale")]
     NotUniform {
-        /// Which matrix.
+        /// Name of the matrix.
         which: &'static str,
     },
 }
 
-/// A ball that is refined fully where it is in the frustum, whatever the distance: the region of interest of Berkey and
-/// Song (section 3.4), who centre it at the eye.
+/// A ball refined fully inside the frustum, at any distance: the region of interest of Berkey and Song (section 3.4),
+/// centred at the eye in their paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Focus {
     /// Centre, world units.
@@ -58,22 +58,23 @@ pub struct Focus {
     pub radius: f32,
 }
 
-/// Which of the errors in [`Bounds`](super::Bounds) a view goes by.
+/// The error in [`Bounds`](super::Bounds) used by a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// How far the drawn surface is from the original: the shape on the screen. Measured.
+    /// Distance from the drawn surface to the original: keeps the shape on the screen. Measured.
     #[default]
     Geometric,
-    /// How far each point is drawn from where it belongs: what is painted on the surface stays in place too. An upper bound,
-    /// and some times as many triangles.
+    /// Distance from each point of the surface to the place where it is drawn: keeps textures in place too. An upper
+    /// bound; several times as many triangles.
     Parametric,
 }
 
-/// A camera: where the eye is, what it sees, and how large an error may be on the screen.
+/// A camera: the eye, the frustum, and the tolerances on the screen.
 ///
-/// Matrices are column-major (`m[column][row]`), take column vectors, and look along any axis: only their product
-/// matters. Pixels are those at the middle of the picture; by perspective, off-centre pixels of wide pictures span less.
+/// Matrices are column-major (`m[column][row]`) and multiply column vectors. Only the product of view and projection
+/// matters, so a perspective eye may look along any axis. Pixels are measured at the middle of the picture; off-centre
+/// pixels of wide perspective pictures span less.
 ///
 /// ```
 /// use multires::view::View;
@@ -86,9 +87,9 @@ pub enum ErrorKind {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// The eye; for an orthographic view the direction of view.
+    /// The eye; of an orthographic view, the direction of view.
     pub(super) eye: Eye,
-    /// Half-spaces that hold the frustum: unit normals inward, and offsets. World space.
+    /// Half-spaces containing the frustum: unit normals pointing inward, and offsets. World space.
     pub(super) planes: [DVec4; 5],
     pub(super) plane_count: usize,
     pub(super) tolerance: f64,
@@ -99,21 +100,22 @@ pub struct View {
     pub(super) focus: Option<Focus>,
 }
 
-/// Where rays come from, and pixels a unit of length.
+/// Origin of the rays, and pixels per unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Eye {
-    /// From a point; pixels a unit at distance 1.
+    /// Rays from a point. `pixels` per unit at distance 1.
     At { eye: DVec3, forward: DVec3, pixels: f64 },
-    /// Along a direction; pixels a unit at any distance.
+    /// Rays along a direction. `pixels` per unit at any distance.
     Along { forward: DVec3, pixels: f64 },
 }
 
 impl View {
-    /// A perspective camera: the matrix from world to eye, the vertical field of view in radians, and the viewport in
-    /// pixels. The eye looks along its -z axis, as OpenGL, Vulkan and wgpu programs have it.
+    /// Creates a perspective camera from the matrix from world to eye, the vertical field of view in radians, and the
+    /// viewport in pixels. The eye looks along its -z axis, as in OpenGL, Vulkan and wgpu programs.
     ///
     /// # Errors
-    /// A matrix that is not finite or not a rotation, translation and uniform scale, a field of view that is not between 0 and pi, no pixels.
+    /// The matrix is not finite, or is not a rotation, translation and uniform scale; the field of view is not between 0
+    /// and pi; the viewport has no pixels.
     pub fn perspective(
         world_to_eye: [[f32; 4]; 4],
         field_of_view: f32,
@@ -133,14 +135,15 @@ impl View {
         Self::new(world_to_eye, projection, viewport)
     }
 
-    /// Any camera: the matrices from world to eye and from eye to clip space, and the viewport in pixels.
+    /// Creates any camera from the matrices from world to eye and from eye to clip space, and the viewport in pixels.
     ///
     /// The projection may be perspective or orthographic, off-centre, mirrored, with any range of depth, reversed, or
-    /// infinite: near and far are not read, what counts is the pyramid (or the box) of the sides.
+    /// infinite. Only the sides of the pyramid (or box) are read, not near and far. An orthographic view is taken to look
+    /// along -z.
     ///
     /// # Errors
-    /// A matrix that is not finite, a view that is not a rotation, translation and uniform scale, a projection without an
-    /// eye or a direction, no pixels.
+    /// A matrix is not finite; the view is not a rotation, translation and uniform scale; the projection has no eye and
+    /// no direction; the viewport has no pixels.
     pub fn from_projection(
         world_to_eye: [[f32; 4]; 4],
         eye_to_clip: [[f32; 4]; 4],
@@ -158,19 +161,19 @@ impl View {
         let view = columns(world_to_eye).ok_or(ViewError::NotFinite { which: "view" })?;
         let mut scale = uniform_scale(&view).ok_or(ViewError::NotUniform { which: "view" })?;
         if (scale - 1.0).abs() < 1e-4 {
-            // A rotation in single precision; its scale must not change from frame to frame.
+            // A rotation in single precision. Its scale must not change from frame to frame.
             scale = 1.0;
         }
         let to_world = view.inverse();
 
-        // Depth is w; where w does not depend on the point there is no eye, only a direction. What is read off the
-        // projection alone stays exactly the same while the camera moves.
+        // Depth is `w`. If `w` does not depend on the point, there is no eye, only a direction. Values read from the
+        // projection alone stay exactly equal while the camera moves.
         let singular = ViewError::Singular { which: "projection" };
         let [x, y, w] = [projection.row(0), projection.row(1), projection.row(3)];
         let [across, down] = [f64::from(width) * 0.5, f64::from(height) * 0.5];
         let perspective = w.truncate().length_squared() > 0.0;
         let eye = if perspective {
-            // The eye is where all three vanish.
+            // The eye is the point with x = y = w = 0.
             let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
             let determinant = rows.determinant();
             if !(determinant.is_finite() && determinant != 0.0) {
@@ -178,7 +181,7 @@ impl View {
             }
             let eye = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
             let ahead = w.truncate().normalize();
-            // At distance 1 straight ahead, w is the length of its row.
+            // At distance 1 straight ahead, `w` is the length of its row.
             let beside =
                 |row: DVec4| row.truncate().reject_from_normalized(ahead).length() / w.truncate().length();
             Eye::At {
@@ -191,7 +194,7 @@ impl View {
             if w.w <= 0.0 {
                 return Err(singular);
             }
-            // Depth may run either way: the eye looks along -z.
+            // Depth may run either way. The eye is taken to look along -z.
             let ahead = if axis.z > 0.0 { -axis } else { axis };
             let pixels = (x.truncate().length() * across).max(y.truncate().length() * down) / w.w;
             Eye::Along { forward: to_world.transform_vector3(ahead).normalize(), pixels: pixels * scale }
@@ -228,53 +231,53 @@ impl View {
         })
     }
 
-    /// With this tolerance: the largest error on the screen, pixels; default 1. At 0 or less, or NaN, every error is
-    /// too large.
+    /// Sets the tolerance: the largest error on the screen, pixels; default 1. At 0 or less, or NaN, every error is too
+    /// large.
     #[must_use]
     pub fn with_tolerance_px(mut self, pixels: f32) -> Self {
         self.tolerance = f64::from(pixels).max(0.0);
         self
     }
 
-    /// With this tolerance for what may be on the silhouette, pixels; default: as anywhere. What is on the silhouette
-    /// gets the smaller of both.
+    /// Sets the tolerance of parts possibly on the silhouette, pixels; default: no separate tolerance. Silhouettes use
+    /// the smaller of both tolerances.
     #[must_use]
     pub fn with_silhouette_px(mut self, pixels: f32) -> Self {
         self.silhouette = f64::from(pixels).max(0.0);
         self
     }
 
-    /// With this kind of error; default geometric.
+    /// Sets the kind of error; default [`ErrorKind::Geometric`].
     #[must_use]
     pub fn with_error(mut self, kind: ErrorKind) -> Self {
         self.error = kind;
         self
     }
 
-    /// Whether what is outside the picture is left coarse; default true.
+    /// Sets whether parts outside the picture are left coarse; default true.
     #[must_use]
     pub fn with_frustum(mut self, on: bool) -> Self {
         self.frustum = on;
         self
     }
 
-    /// Whether what faces away is left coarse; default true. Turn it off for meshes that are drawn from both sides.
+    /// Sets whether parts facing away are left coarse; default true. Turn it off for meshes drawn from both sides.
     #[must_use]
     pub fn with_back_faces_culled(mut self, on: bool) -> Self {
         self.back_faces = on;
         self
     }
 
-    /// With a ball that is refined fully where it is in the frustum.
+    /// Sets a ball refined fully inside the frustum.
     #[must_use]
     pub fn with_focus(mut self, focus: Option<Focus>) -> Self {
         self.focus = focus;
         self
     }
 
-    /// Refines fully what is in the frustum and within `radius` (world units) of the eye, whichever way it faces, and nothing
-    /// else: the test of Berkey and Song (section 3.4). What a view allows errors and silhouettes then does not count. An
-    /// orthographic view has no eye and refines nothing.
+    /// Refines fully all parts inside the frustum and within `radius` (world units) of the eye, facing either way, and
+    /// nothing else: the test of Berkey and Song (section 3.4). Tolerances then have no effect. An orthographic view has
+    /// no eye, and refines nothing.
     #[must_use]
     pub fn with_radius_test(self, radius: f32) -> Self {
         let focus = self.eye().map(|centre| Focus { centre, radius: radius.max(0.0) });
@@ -285,7 +288,7 @@ impl View {
             .with_focus(focus)
     }
 
-    /// Where the eye is, world units; `None` for an orthographic view.
+    /// Returns the eye, world units; `None` for an orthographic view.
     pub fn eye(&self) -> Option<[f32; 3]> {
         match self.eye {
             Eye::At { eye, .. } => Some(eye.as_vec3().to_array()),
@@ -293,19 +296,19 @@ impl View {
         }
     }
 
-    /// The direction straight ahead, unit length.
+    /// Returns the direction straight ahead, unit length.
     pub fn forward(&self) -> [f32; 3] {
         match self.eye {
             Eye::At { forward, .. } | Eye::Along { forward, .. } => forward.as_vec3().to_array(),
         }
     }
 
-    /// The tolerance, pixels.
+    /// Returns the tolerance, pixels.
     pub fn tolerance_px(&self) -> f32 {
         self.tolerance as f32
     }
 
-    /// Pixels that an error of one world unit takes at this distance (world units), at the middle of the picture.
+    /// Returns the pixels covered by an error of 1 world unit at `distance` (world units), at the middle of the picture.
     pub fn pixels_per_unit(&self, distance: f32) -> f32 {
         match self.eye {
             Eye::At { pixels, .. } => (pixels / f64::from(distance)) as f32,

@@ -1,31 +1,31 @@
-//! Whether a refinement is needed, and how far one can move before that may change.
+//! Criteria: whether a refinement is needed, and how far the eye can move before the answer may change.
 
 use super::bounds::Bounds;
 
-/// An answer with its slack: it stays the same while the eye has moved by no more than a share of `moved` and turned by no more
-/// than the rest of `turned` since; or wholly one and not at all the other.
+/// An answer and how long it holds: while `distance / moved + angle / turned <= 1`, for the distance moved and the angle
+/// turned by the eye since.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
     /// Whether the refinement is needed.
     pub refine: bool,
-    /// How far the eye may move where it does not turn, object units.
+    /// Distance the eye may move without turning, object units.
     pub moved: f64,
-    /// How far it may turn where it does not move, radians.
+    /// Angle the eye may turn without moving, radians.
     pub turned: f64,
 }
 
 impl Answer {
-    /// Needed from everywhere.
+    /// Needed from every view.
     pub const ALWAYS: Self = Self { refine: true, moved: f64::INFINITY, turned: f64::INFINITY };
-    /// Needed from nowhere.
+    /// Needed from no view.
     pub const NEVER: Self = Self { refine: false, ..Self::ALWAYS };
 
-    /// An answer that must be asked for again after any motion.
+    /// Creates an answer which holds only without motion.
     pub fn once(refine: bool) -> Self {
         Self { refine, moved: 0.0, turned: 0.0 }
     }
 
-    /// Needed if both are. A yes holds while both do; a no while either does.
+    /// Logical and: needed if both are needed. A yes holds while both hold; a no holds while either no holds.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         match (self.refine, other.refine) {
@@ -36,7 +36,7 @@ impl Answer {
         }
     }
 
-    /// Needed if either is.
+    /// Logical or: needed if either is needed. A yes holds while either yes holds; a no holds while both hold.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         match (self.refine, other.refine) {
@@ -55,72 +55,72 @@ impl Answer {
         }
     }
 
-    /// One of the two: the one that turning wakes later, or else moving.
+    /// Returns the answer with the larger `turned`, or if equal, the larger `moved`.
     fn longer(self, other: Self) -> Self {
         if (self.turned, self.moved) >= (other.turned, other.moved) { self } else { other }
     }
 }
 
-/// How a criterion differs from an earlier one.
+/// Difference between two states of a criterion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
-    /// Moved and turned, all else equal.
+    /// The eye moved and turned. Nothing else changed.
     Moved {
-        /// Object units.
+        /// Distance moved, object units.
         distance: f64,
-        /// Radians.
+        /// Angle turned, radians.
         angle: f64,
     },
-    /// Something else: no answer given before holds.
+    /// Anything else changed. No previous answer holds.
     Other,
 }
 
-/// Which refinements are needed.
+/// Decides which refinements are needed.
 ///
-/// `B` is what a structure says of a refinement. Must be monotone in it: what is needed for some bounds is needed for bounds
-/// that [contain](Bounds::contains) them. A criterion that is not still yields a valid mesh: what is asked
-/// for is then what it and all that it builds on are asked for, as far as the cut came to ask.
+/// `B` is the type of a structure's bounds. A criterion must be monotone: if a refinement is needed with some bounds, it
+/// is needed with all bounds which [contain](Bounds::contains) them. If a criterion is not monotone, the mesh stays
+/// valid, but the cut depends on earlier views.
 pub trait Criterion<B = Bounds> {
-    /// Whether a refinement with these bounds is needed.
+    /// Whether a refinement with the given bounds is needed.
     fn test(&self, bounds: &B) -> Answer;
 
-    /// What has happened since `before`. [`Motion::Other`] is always right, and the slowest.
+    /// Returns the motion since `before`. [`Motion::Other`] is always correct, and slowest.
     fn motion(&self, before: &Self) -> Motion;
 
-    /// The factor by which tolerances would have to grow for the refinement to be no longer needed: above 1 where it is
-    /// needed, 1 or less where it is not. A triangle budget splits the most urgent first and collapses the least urgent. Must
-    /// be monotone in the bounds. Unless implemented, all that is needed is of endless urgency, and a larger error comes
-    /// first.
+    /// Returns the factor of the tolerances at which the refinement stops being needed: above 1 if it is needed, 1 or
+    /// less if it is not. A triangle budget splits the most urgent refinement first, and collapses the least urgent
+    /// first. Must be monotone in the bounds. By default all needed refinements have infinite urgency, and larger errors
+    /// come first.
     fn urgency(&self, bounds: &B) -> f64 {
         if self.test(bounds).refine { f64::INFINITY } else { 0.0 }
     }
 
-    /// Whether the refinement would be needed with tolerances multiplied by `factor` (above 0): where it is, its
-    /// [urgency](Self::urgency) is above the factor. Unless implemented, the answer holds once.
+    /// Whether the refinement is needed with tolerances multiplied by `factor > 0`: if it is, its
+    /// [urgency](Self::urgency) exceeds `factor`. The default answer must be tested again after any motion.
     fn test_at(&self, bounds: &B, factor: f64) -> Answer {
         Answer::once(self.urgency(bounds) > factor)
     }
 
-    /// [`test_at`](Self::test_at) with tolerances multiplied by `scale` before a budget multiplies them by `factor`: what is
-    /// needed for no error, as in a [focus](super::Focus), does not ask how large tolerances are, but gives way to a budget. Unless
-    /// implemented, both are one factor.
+    /// [`test_at`](Self::test_at) with two factors: `scale` of the tolerances, and `factor` of a budget. Refinements
+    /// needed without any error, such as in a [focus](super::Focus), ignore `scale`, but yield to `factor`. The default
+    /// uses `scale * factor`.
     fn test_scaled(&self, bounds: &B, scale: f64, factor: f64) -> Answer {
         self.test_at(bounds, scale * factor)
     }
 
-    /// The [urgency](Self::urgency) with tolerances multiplied by `scale`. Unless implemented, the urgency divided by that.
+    /// Returns the [urgency](Self::urgency) with tolerances multiplied by `scale`. The default is `urgency / scale`.
     fn urgency_scaled(&self, bounds: &B, scale: f64) -> f64 {
         self.urgency(bounds) / scale
     }
 
-    /// Whether a change there may be seen; where not, it is made at once. Unless implemented, it may.
+    /// Whether a change within the bounds may be visible. Invisible changes are made at once. Defaults to `true`.
     fn sees(&self, bounds: &B) -> bool {
         let _ = bounds;
         true
     }
 }
 
-/// Several views at once (split screen, shadow cascades): needed where any needs it.
+/// Several views at once (split screen, shadow cascades): a refinement is needed if any view needs it.
 impl<B, C: Criterion<B>> Criterion<B> for [C] {
     #[inline]
     fn test(&self, bounds: &B) -> Answer {

@@ -9,33 +9,38 @@
 //!                                           \ /
 //! ```
 //!
-//! Both are convex and symmetric about the origin, so one holds another where its support function is nowhere smaller. All is
-//! done in the plane of the axis: a vector is its part along the axis (`h`) and its part across (`t`), both as lengths.
+//! Both shapes are convex and symmetric about the origin, so shape A contains shape B if A's support function is nowhere
+//! smaller than B's. Vectors are given in the plane of the axis, by their lengths along the axis (`h`) and across it
+//! (`t`).
 
 use glam::DVec3;
 
-/// Shape of the bound around error vectors. Both are round about the cone's axis.
+/// Kind of a bound around error vectors, round about the cone's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorShape {
-    /// An ellipsoid of revolution with these semi-axes, longer or shorter along the axis than across.
+    /// An ellipsoid of revolution, with semi-axes `along` and `across`. May be longer or shorter along the axis than
+    /// across.
     #[default]
     Spheroid,
-    /// The convex hull of a ball and of two points on the axis, the tips of cones that touch it. The ball alone where the tips
-    /// are within.
+    /// The convex hull of a ball and two points on the axis: the tips of cones touching the ball. If the tips lie within
+    /// the ball, the ball alone.
     SphereAndCones,
 }
 
 impl ErrorShape {
-    /// Half-lengths along the axis and across it of a small shape that holds all vectors: a sphere with cones has the ratio
-    /// `max |e.n| : max |e x n|`, a spheroid that or a lesser power of it, whichever looks smallest on the mean over all directions. `vectors` are pairs `|e.n|`, `|e x n|` for axis `n`. 0 where there are none; what is not a
-    /// number counts as the largest one. Rounded up.
+    /// Returns the half-lengths, along the axis and across it, of a small shape containing all vectors.
     ///
-    /// Both are a ball where that ratio is 1 or less: an oblate spheroid looks as large as the ball about it from everywhere.
+    /// `vectors` are pairs `|e.n|`, `|e x n|` for axis `n`. A sphere with cones has the ratio
+    /// `r = max |e.n| : max |e x n|`. A spheroid has the ratio `r` or a lower power of `r`, whichever has the smallest
+    /// mean size over all directions. If `r <= 1`, both shapes are balls: an oblate spheroid looks as large as its
+    /// circumscribed ball from everywhere.
     ///
-    /// Source: Azuma et al. 2003 (View-dependent refinement of multiresolution meshes with subdivision connectivity), Eq. 3, for
-    /// the ratio.
+    /// Returns 0 if there are no vectors. NaN and infinity count as `f32::MAX`. Results are rounded up.
+    ///
+    /// Source of the ratio: Azuma et al. 2003 (View-dependent refinement of multiresolution meshes with subdivision
+    /// connectivity), Eq. 3.
     pub fn fit(self, vectors: impl Iterator<Item = (f64, f64)> + Clone) -> [f32; 2] {
         let mut fit = Fit::new(self, vectors.clone().fold([0.0, 0.0], Fit::span));
         vectors.for_each(|vector| fit.add(vector));
@@ -43,27 +48,27 @@ impl ErrorShape {
     }
 }
 
-/// The two passes of [`ErrorShape::fit`], for vectors that are searched rather than listed.
+/// The two passes of [`ErrorShape::fit`], for vectors found by a search rather than a list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fit {
     shape: ErrorShape,
-    /// The largest part along the axis of any vector, and across it.
+    /// Largest `h` (`high`) and largest `t` (`wide`) of any vector.
     high: f64,
     wide: f64,
-    /// Ratios of length to width that are tried, and what shapes of them must measure across so far, or its square.
+    /// Ratios of length to width to try, and the half-length across the axis needed so far for each ratio, or its square.
     ratios: [f64; RATIO_POWERS.len()],
     across: [f64; RATIO_POWERS.len()],
     tried: usize,
 }
 
 impl Fit {
-    /// First pass: the largest parts of vectors along the axis and across it, with one more vector.
+    /// First pass: adds a vector to the largest `h` and `t`.
     #[inline]
     pub fn span([high, wide]: [f64; 2], (h, t): (f64, f64)) -> [f64; 2] {
         [number(h).max(high), number(t).max(wide)]
     }
 
-    /// Second pass: with what the first found.
+    /// Starts the second pass, with the results of the first pass.
     pub fn new(shape: ErrorShape, [high, wide]: [f64; 2]) -> Self {
         let mut fit = Self {
             shape,
@@ -84,7 +89,8 @@ impl Fit {
         fit
     }
 
-    /// What a shape of a ratio must measure across to hold a vector, or its square. Grows with both parts.
+    /// Returns the half-length across the axis needed by a ratio to contain a vector, or its square. Grows with `h` and
+    /// `t`.
     #[inline]
     fn needs(&self, at: usize, (h, t): (f64, f64)) -> f64 {
         let (h, t) = (number(h), number(t));
@@ -96,12 +102,12 @@ impl Fit {
                 let h = h / self.ratios[at];
                 h * h + t * t
             }
-            // The flanks' normal, which leads to where they touch.
+            // The flanks' normal points to where the flanks touch the ball.
             ErrorShape::SphereAndCones => flank_radius((h, t), flank(self.high, self.wide)),
         }
     }
 
-    /// With one more vector of those of the first pass.
+    /// Adds a vector from the first pass.
     #[inline]
     pub fn add(&mut self, vector: (f64, f64)) {
         for at in 0..self.tried {
@@ -109,13 +115,13 @@ impl Fit {
         }
     }
 
-    /// Whether a vector would change anything.
+    /// Whether adding a vector would change the result.
     #[inline]
     pub fn grows_by(&self, vector: (f64, f64)) -> bool {
         (0..self.tried).any(|at| self.needs(at, vector) > self.across[at])
     }
 
-    /// Half-lengths along the axis and across it.
+    /// Returns the half-lengths along the axis and across it.
     pub fn sizes(&self) -> [f32; 2] {
         let Self { shape, high, wide, ratios, across, .. } = self;
         if *wide <= 0.0 {
@@ -125,7 +131,7 @@ impl Fit {
             ErrorShape::Spheroid if *high <= 0.0 => [0.0, *wide],
             _ if high <= wide => [across[0], across[0]],
             ErrorShape::Spheroid => {
-                // Mean squares of their sizes: from all directions alike, the mean squared sine is 2/3.
+                // Mean squares of the sizes. Over all directions, the mean squared sine is 2/3.
                 let looks = |at: usize| across[at] * (1.0 + (ratios[at] * ratios[at] - 1.0) * (2.0 / 3.0));
                 let best = (0..ratios.len()).min_by(|&a, &b| looks(a).total_cmp(&looks(b))).unwrap_or(0);
                 let across = across[best].sqrt() * (1.0 + 1e-15);
@@ -137,16 +143,16 @@ impl Fit {
     }
 }
 
-/// Powers of the ratio of Eq. 3 that a spheroid may have. Of a single vector far along the axis, the spheroid that looks smallest
-/// has about its root; Eq. 3's is 1.4 times as long as the vector.
+/// Powers of the ratio of Eq. 3 allowed for a spheroid. For a single vector far along the axis, the spheroid with the
+/// smallest mean size has about the root of the ratio. The spheroid of Eq. 3 is 1.4 times as long as the vector.
 const RATIO_POWERS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
-/// A length as it counts.
+/// Returns the length as a finite number, not negative. NaN becomes `f32::MAX`.
 fn number(length: f64) -> f64 {
     length.abs().min(f64::from(f32::MAX))
 }
 
-/// To single precision, no smaller.
+/// Rounds up to single precision.
 fn round_up(x: f64) -> f32 {
     let rounded = x as f32;
     let rounded = if f64::from(rounded) < x { rounded.next_up() } else { rounded };
@@ -159,12 +165,14 @@ fn flank(tip: f64, radius: f64) -> (f64, f64) {
     (cosine, ((1.0 - cosine) * (1.0 + cosine)).sqrt())
 }
 
-/// Radius of the ball with flanks of that normal on whose surface, or on whose flanks, a vector is.
+/// Returns the radius of the ball with flanks of the given normal, if a vector lies on the ball's surface or on its
+/// flanks.
 fn flank_radius((h, t): (f64, f64), (cosine, sine): (f64, f64)) -> f64 {
     if t * cosine > h * sine { h.hypot(t) } else { h * cosine + t * sine }
 }
 
-/// How far a tip must be so that a vector is in the hull with a ball of that radius; endless where none is far enough.
+/// Returns the distance of the tip at which the hull of a ball of the given radius contains a vector; infinite if there
+/// is none.
 fn tip((h, t): (f64, f64), radius: f64) -> f64 {
     let square = h * h + t * t;
     if square <= radius * radius {
@@ -177,26 +185,26 @@ fn tip((h, t): (f64, f64), radius: f64) -> f64 {
     }
 }
 
-/// Shares by which a test forgives rounding: of squares, and of lengths. Less than a step of single precision.
+/// Relative tolerances of tests for rounding errors: of squares, and of lengths. Less than a step of single precision.
 const SQUARE_ROOM: f64 = 1e-15;
 const ROOM: f64 = 1e-12;
-/// Radii that are tried for a ball that grows.
+/// Radii tried when a ball grows.
 const TRIALS: u32 = 32;
 
-/// A shape about its axis.
+/// A shape with its axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shape {
     kind: ErrorShape,
-    /// In whole numbers, so that angles between axes are exact; 0 of a ball.
+    /// In whole numbers, so angles between axes are exact; 0 for a ball.
     axis: DVec3,
     along: f64,
     across: f64,
 }
 
 impl Shape {
-    /// `axis` in whole numbers. Without one it is the ball that holds the shape about any.
+    /// `axis` is in whole numbers. Without an axis, creates the ball containing the shape about any axis.
     pub fn new(kind: ErrorShape, axis: DVec3, along: f32, across: f32) -> Self {
-        // What is no number is nothing.
+        // NaN and negative lengths count as 0.
         let length = |x: f32| if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 };
         let (mut along, mut across) = (length(along), length(across));
         if axis == DVec3::ZERO {
@@ -206,12 +214,12 @@ impl Shape {
         Self { kind, axis, along, across }
     }
 
-    /// The longest of its vectors.
+    /// Returns the length of the longest vector in the shape.
     pub fn largest(&self) -> f64 {
         self.along.max(self.across)
     }
 
-    /// Half of what it spans across a line of sight, at that sine of the angle to its axis.
+    /// Returns half of the extent across a line of sight, for the sine of the angle between the line and the axis.
     #[inline]
     pub fn size(&self, sine: f64) -> f64 {
         let Self { along, across, .. } = *self;
@@ -223,7 +231,7 @@ impl Shape {
         }
     }
 
-    /// By how much [`Shape::size`] changes, at most, for each radian.
+    /// Returns the largest change of [`Shape::size`] per radian.
     #[inline]
     pub fn slope(&self) -> f64 {
         let Self { along, across, .. } = *self;
@@ -234,7 +242,8 @@ impl Shape {
         }
     }
 
-    /// Cosine and sine, not negative, of the angle between the axes; exact where that is 0. Any for balls.
+    /// Returns cosine and sine (not negative) of the angle between the axes. Exact at angle 0. Without an axis, of angle
+    /// 0.
     fn turned(&self, other: &Self) -> (f64, f64) {
         let lengths = (self.axis.length_squared() * other.axis.length_squared()).sqrt();
         if lengths > 0.0 {
@@ -244,14 +253,14 @@ impl Shape {
         }
     }
 
-    /// The tip of another about the own axis.
+    /// Returns the tip of `other`, along and across the own axis.
     fn tip_of(&self, other: &Self) -> (f64, f64) {
         let (cosine, sine) = self.turned(other);
         (other.along * cosine, other.along * sine)
     }
 
-    /// What of a spheroid the difference of the quadratic forms `u^T M u` (the squares of support functions) has, in the plane
-    /// of the axes, along the own axis and across it, less the own; and between.
+    /// Returns the quadratic form `u^T M u` (the square of the support function) of a spheroid `other`, in the plane of
+    /// the two axes: its entries along the own axis and across it, and the entry between.
     fn form_of(&self, other: &Self) -> [f64; 3] {
         let (cosine, sine) = self.turned(other);
         let (along, across) = (other.along * other.along, other.across * other.across);
@@ -259,7 +268,7 @@ impl Shape {
         [across + beyond * (cosine * cosine), across + beyond * (sine * sine), beyond * (cosine * sine)]
     }
 
-    /// Whether a spheroid holds another: the larger form less the smaller is positive semidefinite.
+    /// Whether a spheroid contains another spheroid: the difference of the forms is positive semidefinite.
     fn holds_spheroid(&self, other: &Self) -> bool {
         let room = SQUARE_ROOM * self.largest().max(other.largest()).powi(2);
         let [along, across, between] = self.form_of(other);
@@ -268,7 +277,7 @@ impl Shape {
         self.across >= other.across && a >= 0.0 && b >= 0.0 && a * b >= between * between
     }
 
-    /// Whether a vector is in a sphere with cones.
+    /// Whether a vector lies in a sphere with cones.
     fn holds_vector(&self, (h, t): (f64, f64)) -> bool {
         let room = ROOM * self.largest();
         if h.hypot(t) <= self.across + room {
@@ -282,13 +291,14 @@ impl Shape {
         t * cosine <= h * sine + room && h * cosine + t * sine <= self.across + room
     }
 
-    /// The ball in a sphere with cones, and what is between its tips: together they span it.
+    /// Returns the ball and the segment between the tips. A sphere with cones is their convex hull.
     fn ball_and_needle(&self) -> [Self; 2] {
         let spheroid = |along: f64, across: f64| Self { kind: ErrorShape::Spheroid, along, across, ..*self };
         [spheroid(self.across, self.across), spheroid(self.along, 0.0)]
     }
 
-    /// Whether this shape holds another. Exact, but that a sphere with cones holds a spheroid only where its ball does.
+    /// Whether this shape contains another shape. Exact, except for spheroids in spheres with cones: true only if the
+    /// ball contains the spheroid.
     pub fn holds(&self, other: &Self) -> bool {
         match (self.kind, other.kind) {
             (ErrorShape::Spheroid, ErrorShape::Spheroid) => self.holds_spheroid(other),
@@ -302,8 +312,8 @@ impl Shape {
         }
     }
 
-    /// Half-lengths with which it holds another too: the sum of squares of the three semi-axes grows by as little as can be, for
-    /// spheres with cones nearly. Rounded up; nothing changes where it holds it already.
+    /// Returns half-lengths with which the shape contains `other` too. The sum of squares of the three semi-axes grows as
+    /// little as possible, for spheres with cones nearly so. Rounded up. Unchanged if the shape already contains `other`.
     pub fn enlarged(&self, other: &Self) -> [f32; 2] {
         let (mut along, mut across) = (self.along, self.across);
         if !self.holds(other) {
@@ -333,16 +343,16 @@ impl Shape {
         sizes
     }
 
-    /// The spheroid about the own axis, no smaller, that holds another.
+    /// Returns the spheroid about the own axis, no smaller than the own, containing `other`.
     fn least_spheroid(&self, other: &Self) -> [f64; 2] {
         let [along, across, between] = self.form_of(other);
-        // What the squares exceed those of the other by: at least this, with a product of at least the square between.
+        // `a`, `b`: the excess of the squares over the form of `other`. Each has a least value, and `a b >= between^2`.
         let wide = self.across.max(other.across);
         let (least_a, least_b) = ((self.along.powi(2) - along).max(0.0), (wide * wide - across).max(0.0));
         let product = between * between;
         let (mut a, mut b) = (least_a, least_b);
         if a * b < product {
-            // Least a + 2 b on the hyperbola.
+            // Minimum of `a + 2 b` on the hyperbola.
             a = (2.0 * product).sqrt();
             b = (0.5 * product).sqrt();
             if a < least_a {
@@ -354,11 +364,11 @@ impl Shape {
         [(along + a).sqrt(), (across + b).sqrt().max(wide)]
     }
 
-    /// The sphere with cones about the own axis, no smaller, that holds another.
+    /// Returns the sphere with cones about the own axis, no smaller than the own, containing `other`.
     fn least_hull(&self, other: &Self) -> [f64; 2] {
         let point = self.tip_of(other);
         let least = self.across.max(other.across);
-        // Flanks lead to no point that is farther out than the ball.
+        // Flanks reach no point farther across than the ball's radius.
         let (low, high) = (least.max(point.1), other.along.max(least));
         let mut best = [self.along, high];
         let square = |[along, across]: [f64; 2]| along * along + 2.0 * across * across;

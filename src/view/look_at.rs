@@ -2,23 +2,24 @@
 
 use glam::DVec3;
 
-/// The matrix from world to eye, as [`View::perspective`](super::View::perspective) takes it, of a camera at `eye` that looks
-/// at `target` with `up` upwards on its picture.
+/// Returns the matrix from world to eye, for [`View::perspective`](super::View::perspective), of a camera at `eye`
+/// looking at `target`, with `up` upwards in its picture.
 ///
-/// Where `up` is along the view or no direction, the picture is turned about some axis that is not; where `eye` and `target`
-/// are the same, the camera looks along -z. Numbers that are not finite make a matrix that is not, which views refuse.
+/// If `up` is parallel to the view or has no direction, the picture is turned about another axis. If `eye` equals
+/// `target`, the camera looks along -z. Numbers which are not finite give a matrix which is not finite; views refuse such
+/// matrices.
 pub fn look_at(eye: [f32; 3], target: [f32; 3], up: [f32; 3]) -> [[f32; 4]; 4] {
     if ![eye, target, up].as_flattened().iter().all(|x| x.is_finite()) {
         return [[f32::NAN; 4]; 4];
     }
     let [eye, target, up] = [eye, target, up].map(|v| DVec3::from_array(v.map(f64::from)));
     let ahead = (target - eye).try_normalize().unwrap_or(DVec3::NEG_Z);
-    // Below this sine of the angle to the view a direction does not say which way is up.
+    // Below this sine of its angle to the view, a direction does not tell which way is up.
     let across = |up: DVec3| {
         let right = ahead.cross(up.try_normalize()?);
         (right.length() > 1e-6).then(|| right.normalize())
     };
-    // Of two axes one is away from the view.
+    // At least one of two axes is not along the view.
     let right = across(up).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::Z)).unwrap_or(DVec3::X);
     let rows = [right, right.cross(ahead), -ahead];
     let column = |i: usize| {

@@ -1,17 +1,17 @@
-//! The little matrix algebra that reading cameras takes, in double precision.
+//! Matrix algebra for reading cameras, in double precision.
 //!
-//! Matrices are columns, as graphics interfaces and glam hand them over: `m[column][row]`.
+//! Matrices are given by columns, as in graphics interfaces and glam: `m[column][row]`.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-/// A matrix from columns; `None` where an entry is not finite.
+/// Converts a matrix from columns; `None` if an entry is not finite.
 pub(super) fn columns(m: [[f32; 4]; 4]) -> Option<DMat4> {
     let finite = m.as_flattened().iter().all(|x| x.is_finite());
     finite.then(|| DMat4::from_cols_array_2d(&m.map(|column| column.map(f64::from))))
 }
 
-/// Factor by which a matrix scales all lengths; `None` where it shears or scales directions differently (by more than
-/// 1 in 10,000), or is no affine map.
+/// Returns the factor by which a matrix scales all lengths. `None` if the matrix shears or scales directions differently
+/// (by more than 1 in 10,000), or is not affine.
 pub(super) fn uniform_scale(m: &DMat4) -> Option<f64> {
     if m.row(3) != DVec4::W {
         return None;
@@ -25,11 +25,12 @@ pub(super) fn uniform_scale(m: &DMat4) -> Option<f64> {
         .then_some(scale)
 }
 
-/// Least and greatest scales farther apart than this are a flattened object's: single precision tells no more.
+/// If the ratio of least to greatest scale is at most this, the object counts as flattened: single precision tells no
+/// more.
 const FLAT: f64 = 1e-7;
 
-/// The least and the greatest factor by which a matrix scales a length, the least rounded down and the greatest up; both the
-/// same where it scales evenly. `None` where it is no affine map; the least is 0 where it flattens.
+/// Returns the least and the greatest factor by which a matrix scales a length. The least is rounded down, the greatest
+/// up. Both are equal for a uniform scale. The least is 0 if the matrix flattens. `None` if the matrix is not affine.
 pub(super) fn scales(m: &DMat4) -> Option<[f64; 2]> {
     if let Some(scale) = uniform_scale(m) {
         return Some([scale; 2]);
@@ -44,8 +45,9 @@ pub(super) fn scales(m: &DMat4) -> Option<[f64; 2]> {
     Some([if least > FLAT * most { least } else { 0.0 }, most])
 }
 
-/// The greatest factor by which a matrix scales a length, rounded up: the root of the greatest eigenvalue of a'a, by
-/// trigonometry, in parts of their mean. (The least would be lost in the rounding of the greatest.)
+/// Returns the greatest factor by which a matrix scales a length, rounded up: the root of the greatest eigenvalue of
+/// `a'a`, by trigonometry, in units of the mean eigenvalue. (The least eigenvalue would be lost in the rounding of the
+/// greatest.)
 fn greatest_scale(a: &DMat3) -> f64 {
     let square = a.transpose() * *a;
     let mean = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
@@ -71,7 +73,7 @@ mod tests {
     #[test]
     fn scales_of_matrices() {
         let of = |m: DMat3| scales(&DMat4::from_mat3(m)).unwrap();
-        // Rounded outward, and by no more than a millionth.
+        // Rounded outward, by no more than a millionth.
         let assert_near = |[least, most]: [f64; 2], [low, high]: [f64; 2]| {
             assert!(least <= low * (1.0 + 1e-12) && least >= low * (1.0 - 1e-6), "{least} is not {low}");
             assert!(most >= high * (1.0 - 1e-12) && most <= high * (1.0 + 1e-6), "{most} is not {high}");

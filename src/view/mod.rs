@@ -1,22 +1,22 @@
-//! Where one looks from, and how much of a mesh that asks for.
+//! Cameras and criteria: which refinements a view needs.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `camera.rs` | [`View`]: eye, frustum, pixels, tolerances, from plain matrices |
-//! | `look_at.rs` | [`look_at`]: the matrix of a camera that looks at a point |
-//! | `object.rs` | [`ObjectView`]: the same in the space of one object, as tests need it |
-//! | `bounds.rs` | [`Bounds`]: what a refinement can change: a sphere, a cone of normals, an error |
-//! | `deviation.rs` | [`DeviationBounds`]: the same with errors that have a direction |
+//! | `look_at.rs` | [`look_at`]: the matrix of a camera looking at a point |
+//! | `object.rs` | [`ObjectView`]: a view in the space of an object, as needed by tests |
+//! | `bounds.rs` | [`Bounds`] of a refinement: a sphere, a cone of normals, an error |
+//! | `deviation.rs` | [`DeviationBounds`]: bounds with directional errors |
 //! | `error_shape.rs` | [`ErrorShape`]: spheroids, and spheres with cones, around error vectors |
-//! | `region.rs` | the sphere and the cone that bounds of all kinds have |
+//! | `region.rs` | the sphere and the cone shared by all kinds of bounds |
 //! | `seen.rs` | how bounds look from an eye |
-//! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and for how long that stays so |
+//! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and how long the answer holds |
 //!
 //! # Nested tests
 //!
-//! The bounds of a refinement contain those of every refinement that needs it. All tests are monotone in the bounds: what is
-//! needed for a smaller sphere, a narrower cone and a smaller error is needed for larger ones too. So a cut of needed
-//! refinements is closed, and looking at its rim is enough to find it.
+//! The bounds of a refinement contain the bounds of every refinement needing it. All tests are monotone in the bounds: a
+//! refinement needed with some sphere, cone and error is needed with a larger sphere, a wider cone and a larger error. So
+//! the set of needed refinements is closed, and testing its rim finds it.
 
 mod bounds;
 mod camera;

@@ -1,4 +1,4 @@
-//! A view in the space of one object, where all tests are done: an object is not transformed, the eye is.
+//! A view in the space of an object. All tests are done there: the eye is transformed, not the object.
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -10,12 +10,12 @@ use super::matrix::{columns, scales};
 use super::region::angle_between;
 use super::seen::{Extent, Facing, Place, SeenBounds};
 
-/// Distance at which a budget takes those that the eye is in, or that are in focus, to be: before all others, by their error.
-/// Object units; any length far below all that is measured does.
+/// Distance assumed by a budget for refinements containing the eye or in focus: they come before all others, ordered by
+/// error. Object units. Any length far below all measured lengths does.
 const NEAREST: f64 = 1e-30;
-/// Least tolerance that tolerances are multiples of, pixels: far below any error that is not 0.
+/// Smallest tolerance, pixels: far below any error except 0.
 const LEAST_TOLERANCE: f64 = 1e-30;
-/// Urgency of what is needed for no error.
+/// Urgency of refinements needed without an error.
 const BARELY: f64 = 1.0 + 1e-6;
 
 /// A [`View`] as seen from an object: everything in object units.
@@ -24,26 +24,26 @@ pub struct ObjectView {
     eye: Eye,
     planes: [DVec4; 5],
     plane_count: usize,
-    /// By how much an error must be multiplied for the distance up to which it is too large (for an orthographic view:
-    /// for its multiple of the tolerance), in the interior and on silhouettes.
+    /// `error * reach` is the distance up to which an error is too large. For an orthographic view, `error * reach` is
+    /// the error in multiples of the tolerance. `reach` holds in the interior, `silhouette_reach` on silhouettes.
     reach: f64,
     silhouette_reach: f64,
     error: ErrorKind,
     frustum: bool,
     back_faces: bool,
-    /// Centre and radius.
+    /// Centre and radius of the ball.
     focus: Option<(DVec3, f64)>,
 }
 
 impl View {
-    /// This view as seen from an object that lies in the world as it is.
+    /// Returns this view as seen from an object with the identity as matrix from object to world.
     pub fn of_world(&self) -> ObjectView {
         self.seen_from(&DMat4::IDENTITY, [1.0; 2])
     }
 
-    /// This view as seen from an object with the given matrix from object to world: any affine map. Where that scales
-    /// directions differently or shears, errors are taken for the greatest scale and distances for the least: nothing is
-    /// coarser than asked for, and more is drawn than need be, by the ratio of both.
+    /// Returns this view as seen from an object with the given affine matrix from object to world. If the matrix shears
+    /// or scales directions differently, errors use the greatest scale and distances the least scale. Then nothing is
+    /// coarser than asked for, and more triangles than needed are drawn, by the ratio of both scales.
     ///
     /// # Errors
     /// The matrix is not finite, is no affine map, or flattens the object.
@@ -92,18 +92,19 @@ impl View {
     }
 }
 
-/// A no on account of the error that holds for this share of the distance is not worth asking whether another holds longer.
+/// If a no because of the error holds for this share of the distance, no other no with a longer slack is searched for.
 const LONG: f64 = 0.125;
 
 impl ObjectView {
-    /// The same with tolerances multiplied by a factor: how a budget coarsens what a view asks for.
+    /// Returns this view with tolerances multiplied by `factor`, as a budget coarsens a view.
     #[must_use]
     pub fn coarsened(&self, factor: f64) -> Self {
         Self { reach: self.reach / factor, silhouette_reach: self.silhouette_reach / factor, ..self.clone() }
     }
 
-    /// The largest error that is not too large at a distance from the eye, object units: what to ask a level of detail for that
-    /// is chosen by hand ([`Level::Error`](crate::lod::Level::Error)). By an orthographic view the same at every distance.
+    /// Returns the largest tolerable error at a distance from the eye, object units: the value for a level of detail
+    /// chosen by hand ([`Level::Error`](crate::lod::Level::Error)). An orthographic view has equal errors at all
+    /// distances.
     ///
     /// ```
     /// use multires::view::{View, look_at};
@@ -121,7 +122,7 @@ impl ObjectView {
         }
     }
 
-    /// The eye in object units; `None` for an orthographic view.
+    /// Returns the eye in object units; `None` for an orthographic view.
     pub fn eye(&self) -> Option<[f64; 3]> {
         match self.eye {
             Eye::At { eye, .. } => Some(eye.to_array()),
@@ -144,7 +145,7 @@ impl ObjectView {
         }
     }
 
-    /// Whether the sphere reaches into the frustum.
+    /// Whether the sphere intersects the frustum.
     #[inline]
     fn in_frustum(&self, bounds: &impl SeenBounds, place: &Place) -> Answer {
         if !self.frustum {
@@ -157,8 +158,8 @@ impl ObjectView {
             inside = if distance < inside { distance } else { inside };
         }
         inside += bounds.reach();
-        // The distance from a plane changes by no more than the eye moves; and the planes turn about the eye, which is
-        // no farther than it may have moved away. An orthographic view that turns is another view.
+        // The distance from a plane changes by at most the distance moved by the eye. The planes turn about the eye,
+        // which is at most as far as it may have moved away. An orthographic view which turns is another view.
         let slack = inside.abs();
         let turned = match self.eye {
             Eye::At { .. } => slack / (place.distance + slack),
@@ -167,7 +168,7 @@ impl ObjectView {
         Answer { refine: inside >= 0.0, moved: slack, turned }
     }
 
-    /// Where a cone of normals stands to the directions in which its sphere is seen; `None` where it holds all directions.
+    /// Compares a cone of normals with the directions to its sphere; `None` if the cone contains all directions.
     #[inline]
     fn facing(&self, bounds: &impl SeenBounds, place: &Place) -> Option<Facing> {
         let (axis, [sine, cosine]) = bounds.facing()?;
@@ -205,7 +206,7 @@ impl ObjectView {
 }
 
 impl ObjectView {
-    /// Whether a refinement is needed with tolerances multiplied by `scale`, and then for a budget by `factor`.
+    /// Whether a refinement is needed with tolerances multiplied by `scale`, and for a budget by `factor`.
     #[inline]
     fn answer(&self, bounds: &impl SeenBounds, scale: f64, factor: f64) -> Answer {
         let place = self.place(bounds);
@@ -233,14 +234,14 @@ impl ObjectView {
                 answer = answer.and(facing.front());
             }
         }
-        // Turning wakes only what the frustum decides.
+        // Turning wakes only refinements decided by the frustum.
         if !answer.refine && answer.moved > 0.0 {
             return answer;
         }
         answer.and(self.in_frustum(bounds, &place))
     }
 
-    /// By what tolerances, multiplied by `scale`, would have to grow.
+    /// Returns the urgency: the further factor of tolerances, already multiplied by `scale`, at which the need ends.
     fn urgency_of(&self, bounds: &impl SeenBounds, scale: f64) -> f64 {
         let place = self.place(bounds);
         let facing = self.facing(bounds, &place);
@@ -269,7 +270,7 @@ impl ObjectView {
         self.in_frustum(bounds, &place).refine && (!self.back_faces || front())
     }
 
-    /// What has happened since `before`: [`Criterion::motion`], whatever the bounds.
+    /// Returns the motion since `before`: [`Criterion::motion`] for all kinds of bounds.
     pub fn motion(&self, before: &Self) -> Motion {
         let same = self.reach == before.reach
             && self.silhouette_reach == before.silhouette_reach
@@ -339,8 +340,8 @@ impl Criterion for ObjectView {
     }
 }
 
-/// By how large the errors may look; which [`ErrorKind`] a view goes by does not matter, since shapes bound displacements in all
-/// directions.
+/// Uses the apparent size of the errors. The view's [`ErrorKind`] has no effect, because shapes bound displacements in
+/// all directions.
 impl Criterion<DeviationBounds> for ObjectView {
     fn test(&self, bounds: &DeviationBounds) -> Answer {
         self.answer(bounds, 1.0, 1.0)

@@ -1,6 +1,7 @@
-//! Where a refinement lies and which way it faces: a sphere and a packed cone of normals, as bounds of all kinds have them.
+//! The sphere and the packed cone of normals shared by all kinds of bounds.
 //!
-//! Cones are four bytes: the axis in 127ths, and the half-angle in 255ths of a right angle; 255: normals of all directions.
+//! A cone takes four bytes: the axis in 127ths, and the half-angle in 255ths of a right angle. 255: normals of all
+//! directions.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
@@ -10,31 +11,31 @@ use glam::DVec3;
 /// Steps of the half-angle in its byte, and of an axis component.
 const ANGLE_STEPS: f64 = 255.0;
 const AXIS_STEPS: f64 = 127.0;
-/// Radius of all of space.
+/// Radius for all of space.
 const EVERYWHERE: f64 = 1e40;
 
-/// All directions about no axis.
+/// A cone of all directions, without an axis.
 pub(super) const ALL: [i8; 4] = [0, 0, 0, ANY];
-/// The byte of the half-angle where all directions are in.
+/// The byte of the half-angle for all directions.
 pub(super) const ANY: i8 = -1;
 
 /// Sine and cosine of every half-angle.
 static ANGLES: LazyLock<[[f64; 2]; 256]> =
     LazyLock::new(|| std::array::from_fn(|step| (step as f64 * (FRAC_PI_2 / ANGLE_STEPS)).sin_cos().into()));
 
-/// A radius, and more than any distance between single-precision points where that is all of space.
+/// Returns a radius. For all of space, it exceeds any distance between single-precision points.
 #[inline]
 pub(super) fn reach(radius: f32) -> f64 {
     if radius < f32::MAX { f64::from(radius) } else { EVERYWHERE }
 }
 
-/// Whether the sphere at `a` holds the one at `b`.
+/// Whether the sphere at `a` contains the sphere at `b`.
 pub(super) fn sphere_holds((a, radius): ([f32; 3], f32), (b, inner): ([f32; 3], f32)) -> bool {
     let [a, b] = [a, b].map(|x| DVec3::from_array(x.map(f64::from)));
     radius == f32::MAX || a.distance(b) + reach(inner) <= reach(radius)
 }
 
-/// Whether a cone holds another.
+/// Whether a cone contains another cone.
 pub(super) fn cone_holds(outer: [i8; 4], inner: [i8; 4]) -> bool {
     match (unpack(outer), unpack(inner)) {
         (None, _) => true,
@@ -43,13 +44,13 @@ pub(super) fn cone_holds(outer: [i8; 4], inner: [i8; 4]) -> bool {
     }
 }
 
-/// A cone's axis, in 127ths; 0 where it has none.
+/// Returns a cone's axis, in 127ths; 0 without an axis.
 #[inline]
 pub(super) fn axis([x, y, z, _]: [i8; 4]) -> DVec3 {
     DVec3::new(f64::from(x), f64::from(y), f64::from(z))
 }
 
-/// A cone's axis (unit length) and half-angle in radians; `None` where it holds all directions.
+/// Returns a cone's axis (unit length) and half-angle in radians; `None` if the cone contains all directions.
 pub(super) fn unpack(cone: [i8; 4]) -> Option<(DVec3, f64)> {
     if cone[3] == ANY {
         return None;
@@ -57,8 +58,8 @@ pub(super) fn unpack(cone: [i8; 4]) -> Option<(DVec3, f64)> {
     Some((axis(cone).try_normalize()?, f64::from(cone[3] as u8) * (FRAC_PI_2 / ANGLE_STEPS)))
 }
 
-/// A cone as tests take it: its axis at any length, and sine and cosine of its half-angle; `None` where it holds all
-/// directions.
+/// Returns a cone as used by tests: its axis at any length, and sine and cosine of its half-angle; `None` if the cone
+/// contains all directions.
 #[inline]
 pub(super) fn facing(cone: [i8; 4]) -> Option<(DVec3, [f64; 2])> {
     let [x, y, z, angle] = cone;
@@ -68,7 +69,7 @@ pub(super) fn facing(cone: [i8; 4]) -> Option<(DVec3, [f64; 2])> {
     Some((axis(cone), ANGLES[usize::from(angle as u8)]))
 }
 
-/// Rounds an axis and widens the angle by as much as that turned it. `None` where the axis is no direction.
+/// Rounds an axis, and widens the angle by the rotation due to rounding. `None` if the axis has no direction.
 pub(super) fn pack(axis: DVec3, half_angle: f64) -> Option<[i8; 4]> {
     let axis = axis.try_normalize()?;
     let rounded = axis.to_array().map(|x| (x * AXIS_STEPS).round() as i8);
@@ -80,7 +81,7 @@ pub(super) fn pack(axis: DVec3, half_angle: f64) -> Option<[i8; 4]> {
     Some([x, y, z, angle])
 }
 
-/// Angle between two unit vectors, exact for small ones too.
+/// Returns the angle between two unit vectors, exact for small angles too.
 pub(crate) fn angle_between(a: DVec3, b: DVec3) -> f64 {
     2.0 * (a - b).length().atan2((a + b).length())
 }

@@ -1,4 +1,4 @@
-//! How bounds look from an eye: where their sphere is, how their normals stand to it, how large their error may look.
+//! Bounds as seen from an eye: place of the sphere, angles of the normals, size of the error.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,18 +9,18 @@ use super::camera::ErrorKind;
 use super::criteria::Answer;
 use super::region;
 
-/// What tests read of bounds.
+/// Bounds, as read by tests.
 pub(super) trait SeenBounds {
     /// Centre of the sphere.
     fn centre(&self) -> DVec3;
 
-    /// Radius of the sphere.
+    /// Radius of the sphere. Larger than any distance for all of space.
     fn reach(&self) -> f64;
 
-    /// The cone of normals: its axis at any length, and sine and cosine of its half-angle; `None` for all directions.
+    /// The cone of normals: axis at any length, and sine and cosine of the half-angle; `None` for all directions.
     fn facing(&self) -> Option<(DVec3, [f64; 2])>;
 
-    /// The error as it may look from an eye to which the sphere is in that place.
+    /// Apparent sizes of the error, from an eye with the sphere at `place`.
     fn extent(&self, kind: ErrorKind, place: &Place) -> Extent;
 }
 
@@ -50,19 +50,19 @@ impl SeenBounds for Bounds {
     }
 }
 
-/// Where a sphere is, as all tests see it.
+/// Place of a sphere relative to the eye, shared by all tests.
 pub(super) struct Place {
-    /// From the eye to its centre; by an orthographic view the direction of view.
+    /// Vector from the eye to the centre; for an orthographic view the direction of view.
     pub to: DVec3,
-    /// Length of `to`, and its square; the latter is 1 by an orthographic view.
+    /// Length of `to` (`distance`) and its square. For an orthographic view `square` is 1 and `distance` infinite.
     pub distance: f64,
     pub square: f64,
-    /// To the nearest point of the sphere; negative inside it.
+    /// Distance to the nearest point of the sphere; negative inside it. Infinite for an orthographic view.
     pub gap: f64,
 }
 
 impl Place {
-    /// Sine and cosine of half the angle under which a sphere of that radius is seen, from outside it.
+    /// Sine and cosine of half the angle under which a sphere of radius `reach` is seen, from outside it.
     #[inline]
     pub fn half(&self, reach: f64) -> [f64; 2] {
         let sine = reach / self.distance;
@@ -70,19 +70,19 @@ impl Place {
     }
 }
 
-/// How large an error may look, object units: half of what it spans across the line of sight.
+/// Apparent size of an error, object units: half of its extent across the line of sight.
 pub(super) struct Extent {
-    /// From where the eye is.
+    /// From the place of the eye.
     pub size: f64,
-    /// From where it looks smallest, and largest.
+    /// From where the error looks smallest, and largest.
     pub least: f64,
     pub largest: f64,
-    /// By how much `size` changes, at most, for each radian that a line of sight turns.
+    /// Largest change of `size` per radian turned by a line of sight.
     pub slope: f64,
 }
 
 impl Extent {
-    /// How far the eye may move until `gap < size * reach` may no longer be what it is (`refine`).
+    /// Returns how far the eye may move until the value of `gap < size * reach` (now `refine`) may change.
     #[inline]
     pub fn slack(&self, reach: f64, gap: f64, refine: bool) -> f64 {
         let apart = (gap - self.size * reach).abs();
@@ -95,29 +95,29 @@ impl Extent {
         } else {
             -gap
         };
-        // Or whichever way it turns.
+        // A bound for any turn of the lines of sight.
         let sure = if refine { self.least * reach - gap } else { gap - self.largest * reach };
         turning.max(sure)
     }
 }
 
-/// Normals against lines of sight, as sines and cosines of angles.
+/// Normals compared with lines of sight, as sines and cosines of angles.
 pub(super) struct Facing {
     /// Half the cone's angle plus half the angle under which the sphere is seen.
     pub wide: [f64; 2],
-    /// By how much the axis points away from the eye beyond a right angle to the line of sight.
+    /// Angle by which the axis points away from the eye, beyond a right angle to the line of sight.
     pub away: [f64; 2],
     pub gap: f64,
 }
 
 impl Facing {
-    /// Whether any normal may be at a right angle to a line of sight or beyond, towards the eye.
+    /// Whether any normal may face the eye, or be at a right angle to a line of sight.
     #[inline]
     pub fn front(&self) -> Answer {
         self.compare(self.away[0])
     }
 
-    /// The same away from the eye.
+    /// Whether any normal may face away from the eye, or be at a right angle to a line of sight.
     #[inline]
     pub fn back(&self) -> Answer {
         self.compare(-self.away[0])
@@ -132,7 +132,8 @@ impl Facing {
         // Sine and cosine of `wide - away`.
         let sine = wide_sine * away_cosine - wide_cosine * away;
         let cosine = wide_cosine * away_cosine + wide_sine * away;
-        // All directions to points of the sphere turn by at most asin(moved / gap), and so does their angle to any normal.
+        // Directions to all points of the sphere turn by at most asin(moved / gap), and their angles to normals by as
+        // much.
         let allowed = if cosine < 0.0 { 1.0 } else { sine.abs().min(1.0) };
         let moved = if self.gap < f64::INFINITY { self.gap * allowed } else { f64::INFINITY };
         Answer { refine: sine >= 0.0 || wide_cosine <= 0.0, moved, turned: f64::INFINITY }

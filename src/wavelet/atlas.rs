@@ -1,4 +1,4 @@
-//! One texture for all levels: every base face is a chart, two right triangles to a square cell, cells on shelves.
+//! A single texture for all levels: every base face is a chart, two right triangles to a square cell, cells on shelves.
 //!
 //! ```text
 //!      +---------------+   size of the cell
@@ -12,8 +12,8 @@
 //!      +---------------+   size = 4 gutters + length of a leg
 //! ```
 //!
-//! Coordinates are affine on each base face. So halves of edges have the middle of their ends, wavelets have no coefficient in
-//! them, and a texture lies on every set of wavelets as it lies on the full resolution.
+//! Coordinates are affine on each base face. So the midpoint of an edge has the mean coordinates of its ends, wavelets
+//! have no coefficient for coordinates, and a texture fits every set of wavelets as it fits the full resolution.
 
 use glam::DVec3;
 
@@ -23,56 +23,56 @@ use super::domain::DomainPoint;
 use super::sampler::SurfacePoint;
 use super::{WaveletError, WaveletMesh};
 
-/// Most texels along a side.
+/// Maximum number of texels along a side.
 const MOST_TEXELS: u32 = 1 << 16;
 
-/// How large charts are.
+/// Sizes of charts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ChartSize {
-    /// All alike.
+    /// Equal sizes.
     #[default]
     Equal,
-    /// By the area of the full resolution over each base face; at least one texel.
+    /// By the area of the full resolution over each base face; at least a single texel.
     Area,
 }
 
-/// How an atlas is made.
+/// Options of [`Atlas::new`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AtlasOptions {
-    /// Texels along each side of the texture, up to 65536. Where it is a power of two, coordinates are exact down to level 24 less its exponent.
+    /// Texels along each side of the texture, up to 65536. If it is `2^k`, coordinates are exact down to level `24 - k`.
     pub resolution: u32,
-    /// Texels around each chart that hold its colours too. One is enough for bilinear filtering, `2^k` for mipmaps down to
+    /// Texels around each chart which hold its colours too: 1 is enough for bilinear filtering, `2^k` for mipmaps down to
     /// level `k`.
     pub gutter: u32,
-    /// How large charts are.
+    /// Sizes of charts.
     pub size: ChartSize,
 }
 
 impl Default for AtlasOptions {
-    /// 2048 texels, gutters of 2, charts all alike.
+    /// 2048 texels, gutters of 2, equal charts.
     fn default() -> Self {
         Self { resolution: 2048, gutter: 2, size: ChartSize::Equal }
     }
 }
 
 impl AtlasOptions {
-    /// For a texture of so many texels a side.
+    /// Sets the number of texels along each side of the texture.
     #[must_use]
     pub fn with_resolution(mut self, texels: u32) -> Self {
         self.resolution = texels;
         self
     }
 
-    /// With so many texels around each chart.
+    /// Sets the number of texels around each chart.
     #[must_use]
     pub fn with_gutter(mut self, texels: u32) -> Self {
         self.gutter = texels;
         self
     }
 
-    /// With charts of these sizes.
+    /// Sets the sizes of charts.
     #[must_use]
     pub fn with_size(mut self, size: ChartSize) -> Self {
         self.size = size;
@@ -88,18 +88,18 @@ struct Cell {
     faces: [u32; 2],
 }
 
-/// A row of cells of falling size.
+/// A row of cells of descending size.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Shelf {
     rows: std::ops::Range<u32>,
     cells: std::ops::Range<usize>,
 }
 
-/// Every base face of a mesh as a chart of one square texture. Base faces keep their numbers, so it fits every mesh of the same
-/// base. 16 bytes a base face and 8.
+/// Every base face of a mesh as a chart of a square texture. Base faces keep their numbers, so the atlas fits every mesh
+/// with the same base. About 16 bytes a base face.
 ///
-/// Texel `[x, y]` has its centre at `((x + 0.5) / resolution, (y + 0.5) / resolution)`, and the first row of a texture is that
-/// of `y = 0`.
+/// Texel `[x, y]` has its centre at `((x + 0.5) / resolution, (y + 0.5) / resolution)`. The first row of a texture is
+/// `y = 0`.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -126,7 +126,7 @@ pub struct Atlas {
     gutter: u32,
     shelves: Vec<Shelf>,
     cells: Vec<Cell>,
-    /// Per base face its place: twice the cell, and one more for the second chart.
+    /// Per base face its place: twice its cell, plus 1 for the second chart.
     place_of: Vec<u32>,
     /// Per base face the corner at the right angle.
     first: Vec<u8>,
@@ -136,7 +136,7 @@ impl Atlas {
     /// Packs the base faces of a mesh. O(n + base faces x log).
     ///
     /// # Errors
-    /// The texture has no room for all charts, with gutters, at one texel a leg; or it is too large.
+    /// The texture has no room for all charts, with gutters, at a single texel a leg; or it is too large.
     pub fn new(mesh: &WaveletMesh, options: &AtlasOptions) -> Result<Self, WaveletError> {
         let AtlasOptions { resolution, gutter, size } = *options;
         if resolution > MOST_TEXELS {
@@ -152,7 +152,7 @@ impl Atlas {
         let mut order: Vec<u32> = (0..count as u32).collect();
         // Ties in the order of faces.
         order.sort_by(|&a, &b| sizes[b as usize].total_cmp(&sizes[a as usize]));
-        // Of each cell the size of its larger chart, which comes first.
+        // Size of each cell: the size of its larger chart, which comes first.
         let larger: Vec<f64> = order.chunks(2).map(|faces| sizes[faces[0] as usize]).collect();
         let margin = 4 * u64::from(gutter);
         let cells =
@@ -201,7 +201,7 @@ impl Atlas {
         Ok(atlas)
     }
 
-    /// Number of charts: base faces.
+    /// Returns the number of charts: base faces.
     pub fn len(&self) -> usize {
         self.place_of.len()
     }
@@ -211,17 +211,17 @@ impl Atlas {
         self.place_of.is_empty()
     }
 
-    /// Texels along each side of the texture.
+    /// Returns the number of texels along each side of the texture.
     pub fn resolution(&self) -> u32 {
         self.resolution
     }
 
-    /// Texels around each chart that hold its colours too.
+    /// Returns the number of texels around each chart which hold its colours too.
     pub fn gutter(&self) -> u32 {
         self.gutter
     }
 
-    /// Texels inside charts, a number of those of the texture.
+    /// Returns the share of the texture's area inside charts, 0 to 1.
     pub fn coverage(&self) -> f64 {
         let charts = self.cells.iter().map(|cell| {
             let charts = if cell.faces[1] == NONE { 0.5 } else { 1.0 };
@@ -234,14 +234,14 @@ impl Atlas {
         cell.size - 4 * self.gutter
     }
 
-    /// Texture coordinates of a base face's corners; `None` out of range.
+    /// Returns the texture coordinates of a base face's corners; `None` out of range.
     pub fn chart(&self, base_face: u32) -> Option<[[f32; 2]; 3]> {
         let scale = f64::from(self.resolution);
         let corners = self.texels(base_face)?;
         Some(corners.map(|corner| corner.map(|x| (f64::from(x) / scale) as f32)))
     }
 
-    /// Texture coordinates of a point of the base; `None` out of range.
+    /// Returns the texture coordinates of a point of the base; `None` out of range.
     pub fn uv(&self, point: &DomainPoint) -> Option<[f64; 2]> {
         let corners = self.texels(point.base_face)?.map(|corner| corner.map(f64::from));
         let weights = point.barycentric;
@@ -250,7 +250,7 @@ impl Atlas {
         }))
     }
 
-    /// Corners of a chart in the order of the face, texels.
+    /// Returns the corners of a chart in the order of the face, texels.
     fn texels(&self, base_face: u32) -> Option<[[u32; 2]; 3]> {
         let place = *self.place_of.get(base_face as usize)?;
         let cell = &self.cells[place as usize / 2];
@@ -267,10 +267,11 @@ impl Atlas {
         Some([0, 1, 2].map(|k| corners[(k + 3 - first) % 3]))
     }
 
-    /// Fills a texture, row by row: every texel of a chart and of its gutter with what `colour` says of the point of the full
-    /// resolution at its centre, or at the nearest point of the chart. Texels that are none's are `T::default()`.
+    /// Fills a texture, row by row. Each texel of a chart or its gutter gets the value of `colour` at the point of the
+    /// full resolution at its centre, or at the nearest point of the chart. Texels outside charts and gutters are
+    /// `T::default()`.
     ///
-    /// Deterministic where `colour` is. O(texels x levels).
+    /// Deterministic if `colour` is. O(texels x levels).
     ///
     /// # Errors
     /// The mesh has other base faces than this atlas.
@@ -308,8 +309,8 @@ impl Atlas {
         Ok(texels)
     }
 
-    /// The point of a chart of a cell that is nearest to the centre of a texel. Of the chart on whose side of the diagonal it is,
-    /// so that charts and gutters are whole.
+    /// Returns the point of a cell's charts nearest to the centre of a texel. Uses the chart on the texel's side of the
+    /// diagonal, so charts and gutters are complete.
     fn nearest(&self, cell: &Cell, [x, y]: [u32; 2]) -> DomainPoint {
         let is_second = x + y + 1 > cell.size && cell.faces[1] != NONE;
         let [x, y] = if is_second { [cell.size - 1 - x, cell.size - 1 - y] } else { [x, y] };
@@ -327,14 +328,15 @@ impl Atlas {
         DomainPoint::new(face, [0, 1, 2].map(|k| weights[(k + 3 - first) % 3]))
     }
 
-    /// Whether it is for as many base faces.
+    /// Fails unless the mesh has as many base faces as the atlas.
     pub(super) fn check(&self, mesh: &WaveletMesh) -> Result<(), WaveletError> {
         let (found, expected) = (self.len(), mesh.subdivision().base_face_count());
         if found == expected { Ok(()) } else { Err(WaveletError::Length { what: "charts", found, expected }) }
     }
 }
 
-/// Height of the shelves that cells of falling size fill; more than the width where one is wider than that.
+/// Returns the height of the shelves filled by cells of descending size; `width + 1` where a cell or the height exceeds
+/// the width.
 fn height(cells: impl Iterator<Item = u64>, width: u32) -> u64 {
     let width = u64::from(width);
     let (mut height, mut x) = (0, width + 1);
@@ -350,7 +352,7 @@ fn height(cells: impl Iterator<Item = u64>, width: u32) -> u64 {
     height
 }
 
-/// Square root of the area over each base face, as a share of the largest.
+/// Returns the square root of the area over each base face, relative to the largest.
 fn relative_sizes(mesh: &WaveletMesh) -> Vec<f64> {
     let of = mesh.subdivision();
     let mut area = vec![0.0; of.face_count()];
@@ -367,7 +369,7 @@ fn relative_sizes(mesh: &WaveletMesh) -> Vec<f64> {
     area.iter().map(|area| (area / most).sqrt()).collect()
 }
 
-/// The corner opposite to the longest side of a base face.
+/// Returns the corner opposite to the longest side of a base face.
 fn right_corner(mesh: &WaveletMesh, base_face: u32) -> u8 {
     let places = places(mesh, mesh.subdivision().corners(base_face));
     let opposite = [0, 1, 2].map(|k| places[(k + 1) % 3].distance_squared(places[(k + 2) % 3]));

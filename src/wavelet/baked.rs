@@ -1,4 +1,4 @@
-//! A wavelet mesh under the one face of all structures: baking it, its instances, levels of the whole of it.
+//! Wavelet meshes under the interface common to all structures: baking, instances, levels of the whole mesh.
 
 use crate::adapt::Refinements;
 use crate::lod::{
@@ -18,7 +18,7 @@ impl Structure for WaveletMesh {
     type Table = ();
     type Instance<V: Vertex> = WaveletLod<V>;
 
-    /// Nothing is simplified: the coarsest mesh is found that this one is a four-to-one subdivision of
+    /// Simplifies nothing: finds the coarsest mesh of which `mesh` is a four-to-one subdivision
     /// ([`WaveletMesh::recognise`]).
     fn build_baked(
         mesh: &Mesh,
@@ -41,18 +41,18 @@ impl Structure for WaveletMesh {
         WaveletLod::new(model.structure().clone(), values, options)
     }
 
-    /// Wavelets with the largest bounds, as many as fit, drawn with the exact triangulation.
+    /// Selects the wavelets with bounds above an error, or as many of the largest bounds as fit; exact triangulation.
     fn level(model: &Baked<Self>, level: Level) -> Extracted {
         let mesh = &**model.structure();
         let exact = Triangulation::Exact;
         let set = match level {
-            // Not a number: nothing is known to err by at most that.
+            // NaN: no wavelet is known to err by at most NaN, so all are used.
             Level::Error(error) if error.is_nan() => mesh.closure(|_| true),
             Level::Error(error) => mesh.closure(|wavelet| mesh.bounds(wavelet).largest_error() > error),
             Level::Triangles(most) => mesh.largest_within(most, exact),
             Level::Vertices(most) => mesh.largest_within_vertices(most, exact),
             Level::Ratio(ratio) => {
-                // The cast takes NaN and below to 0.
+                // The cast turns NaN and negative numbers into 0.
                 let most = f64::from(ratio) * mesh.subdivision().triangle_count() as f64;
                 mesh.largest_within(most as usize, exact)
             }
@@ -114,7 +114,7 @@ impl Structure for WaveletMesh {
 }
 
 impl From<WaveletMesh> for Baked<WaveletMesh> {
-    /// A model whose input are the mesh's own vertices.
+    /// Creates a model whose input is the mesh's own vertices.
     fn from(mesh: WaveletMesh) -> Self {
         let count = mesh.subdivision().vertex_count();
         Self::new(mesh, None, Origins::new(count, (0..count as u32).collect(), Vec::new()))

@@ -1,7 +1,8 @@
-//! What leaving a wavelet out can change: a sphere around its support, a cone of the normals there, a shape around the errors.
+//! Bounds on the change from leaving out a wavelet: a sphere around its support, a cone of the normals there, a shape
+//! around the errors.
 //!
-//! Leaving out wavelet e of level j leaves out all that it is an ancestor of. The error at a point of its support is the sum
-//! of the wavelets that are left out there (Azuma et al., equation 2), of level j and finer:
+//! Leaving out wavelet e of level j leaves out all its descendants. The error at a point of its support is the sum of the
+//! wavelets left out there (Azuma et al., equation 2), of level j and finer:
 //!
 //! ```text
 //!     without siblings   all of them: full surface less level j - 1, at every vertex inside the support. The paper's bound.
@@ -11,11 +12,11 @@
 //!                        hats of one level sum to 1 at most. So its bound holds, whatever else is in.
 //! ```
 //!
-//! Both are nested afterwards: a wavelet's bounds hold its children's, or the cut would not be closed.
+//! Both are nested afterwards: a wavelet's bounds contain its children's, or the cut would not be closed.
 //!
-//! Nothing is summed over the whole mesh: the mean normal of a support is found along its rim (Stokes), and errors in it are looked
-//! at for some levels, where they could be the largest; still finer wavelets count by their own bounds. So a wavelet's
-//! bounds cost no more than its rim is long, and can be made anew one by one where something changed.
+//! Nothing is summed over the whole mesh. The mean normal of a support is found along its rim (Stokes). Errors in the
+//! support are searched for some levels, where they could be the largest; still finer wavelets count by their own bounds.
+//! So a wavelet's bounds cost O(length of its rim), and can be recomputed individually where something changed.
 
 use std::ops::ControlFlow;
 
@@ -31,26 +32,26 @@ use super::mesh::WaveletMesh;
 use super::subdivision::Subdivision;
 use super::surface::finest_triangles;
 
-/// Share by which a sphere is larger than it need be, so that containment survives rounding.
+/// Share by which a sphere is enlarged, so containment survives rounding.
 const ROOM: f64 = 4e-7;
-/// Radians by which a cone is wider than it need be.
+/// Radians by which a cone is widened.
 const WIDER: f64 = 1e-6;
 
-/// Where more than one in so many wavelets get new bounds, what they have in common is found for all of them first.
+/// Where more than 1 in `FEW` wavelets get new bounds, the bends of all wavelets are computed first.
 const FEW: usize = 16;
 
-/// Bounds of one wavelet but the centre, which is its vertex, and the shape of errors, which all share: 16 bytes. What the
-/// numbers mean is said at [`DeviationBounds`].
+/// Bounds of a wavelet, 16 bytes. Not stored: the centre, which is its vertex, and the shape of errors, common to all.
+/// The numbers are explained at [`DeviationBounds`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WaveletBounds {
-    /// Radius of the sphere around all that changes where the wavelet is left out, object units.
+    /// Radius of the sphere around all changes where the wavelet is left out, object units.
     pub radius: f32,
     /// Half-length of the shape around errors along the cone's axis, object units.
     pub along: f32,
-    /// The same across the axis.
+    /// Half-length of the shape around errors across the cone's axis, object units.
     pub across: f32,
-    /// Axis in 127ths and half-angle in 255ths of a right angle of the cone of normals.
+    /// Cone of normals: axis in 127ths, half-angle in 255ths of a right angle.
     pub cone: [i8; 4],
 }
 
@@ -62,14 +63,14 @@ impl WaveletBounds {
     }
 }
 
-/// The surface that bounds are of.
+/// The surface whose wavelets are bounded.
 pub(super) struct Grounds<'a> {
     pub mesh: &'a WaveletMesh,
     pub of: &'a Subdivision,
-    /// Per wavelet twice the area between its edge at full resolution and the straight line from end to end; empty where that is
-    /// found when needed.
+    /// Per wavelet twice the area between its edge at full resolution and the straight line from end to end; empty where
+    /// computed on demand.
     bends: Vec<DVec3>,
-    /// Length that is added to every radius, object units.
+    /// Length added to every radius, object units.
     room: f64,
 }
 
@@ -87,7 +88,7 @@ impl<'a> Grounds<'a> {
         grounds
     }
 
-    /// Twice the area, as a vector, between an edge at full resolution and the straight line from end to end.
+    /// Returns twice the area, as a vector, between an edge at full resolution and the straight line from end to end.
     fn bend(&self, wavelet: u32) -> DVec3 {
         match self.bends.get(wavelet as usize) {
             Some(&bend) => bend,
@@ -103,8 +104,8 @@ impl<'a> Grounds<'a> {
         halves.fold((self.position(vertex) - a).cross(b - a), |sum, half| sum + of_half(half))
     }
 
-    /// The sum of the normals times twice their areas of what a face is at full resolution: that of the plane triangle, and of
-    /// what bends out of it along its sides.
+    /// Returns the area-weighted normal (twice the area) of a face at full resolution: the normal of the plane triangle,
+    /// plus the bends along its sides.
     fn normal(&self, face: u32) -> DVec3 {
         let corners = self.of.corners(face);
         if !self.of.is_split(face) && self.of.is_uniform() {
@@ -126,7 +127,7 @@ impl<'a> Grounds<'a> {
         (b - a).cross(c - a)
     }
 
-    /// The triangles of a face that is not split.
+    /// Calls `visit` with the triangles of a face which is not split.
     fn triangles(&self, face: u32, mut visit: impl FnMut([u32; 3])) {
         if self.of.is_uniform() {
             return visit(self.of.corners(face));
@@ -134,14 +135,14 @@ impl<'a> Grounds<'a> {
         finest_triangles(self.of, face, visit);
     }
 
-    /// A wavelet's coefficient.
+    /// Returns a wavelet's coefficient.
     pub fn coefficient(&self, wavelet: u32) -> DVec3 {
         let vertex = self.of.vertex_of(wavelet);
         self.mesh.coefficient(vertex).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
-    /// The parts of a wavelet's support: three children of each face along its edge, or a face that is not split, and which of
-    /// their sides are on the rim of the support.
+    /// Calls `visit` with the parts of a wavelet's support: three children of each split face along its edge, or the face
+    /// itself if not split. The flags mark sides on the rim of the support.
     pub fn support(&self, wavelet: u32, mut visit: impl FnMut(u32, [bool; 3])) {
         let of = self.of;
         for along in of.faces_along(wavelet) {
@@ -158,14 +159,15 @@ impl<'a> Grounds<'a> {
         }
     }
 
-    /// The axis of a wavelet's bounds as it is stored, and whether there is one: the mean normal of its support.
+    /// Returns the axis of a wavelet's bounds before packing, the mean normal of its support; `None` without a mean
+    /// normal.
     fn axis(&self, wavelet: u32) -> Option<DVec3> {
         let mut sum = DVec3::ZERO;
         self.support(wavelet, |face, _| sum += self.normal(face));
         sum.try_normalize()
     }
 
-    /// Bounds of a wavelet, given those of finer ones.
+    /// Computes the bounds of a wavelet, given the bounds of finer wavelets.
     pub fn bounds(&self, wavelet: u32, finer: impl Fn(u32) -> WaveletBounds) -> WaveletBounds {
         let of = self.of;
         let shape = self.mesh.options().shape;
@@ -205,16 +207,16 @@ impl<'a> Grounds<'a> {
         let mut bounds = DeviationBounds::new(centre, radius, shape)
             .with_cone(axis.unwrap_or(DVec3::ZERO).to_array(), wide + WIDER);
 
-        // The shape is about the axis as it is stored.
+        // The shape is about the axis as stored.
         let search =
             Search { grounds: self, wavelet, axis: bounds.axis().map(DVec3::from_array), finer: &finer };
         [bounds.along, bounds.across] = search.fit();
-        // Without an axis a ball.
+        // Without an axis, a ball.
         if search.axis.is_none() {
             bounds.across = bounds.along;
         }
         if of.interior_seams.binary_search(&wavelet).is_ok() {
-            // Without it attributes are smeared across a seam, which has no measure.
+            // Leaving it out smears attributes across a seam, an unmeasured error.
             (bounds.along, bounds.across) = (f32::MAX, f32::MAX);
         }
         for (child, _) in of.incident_edges(wavelet) {
@@ -225,16 +227,17 @@ impl<'a> Grounds<'a> {
     }
 }
 
-/// Length that is added to radii, for a diagonal: a power of two, so that it seldom changes.
+/// Returns the length added to radii, for a diagonal: a constant times a power of two, so it seldom changes.
 fn room(diagonal: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
     f64::from_bits(diagonal.to_bits() & EXPONENT) * 2e-9
 }
 
-/// Wavelets whose bounds are made between two calls of progress.
+/// Number of wavelets bounded between two calls of progress.
 const CHUNK: usize = 1 << 14;
 
-/// Bounds of every wavelet, from the finest to the coarsest; `None` where `progress` breaks. O(n x levels) at most.
+/// Computes the bounds of every wavelet, from the finest to the coarsest; `None` where `progress` breaks. O(n x levels)
+/// at most.
 pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<WaveletBounds>> {
     let grounds = Grounds::new(mesh, true);
     let of = mesh.subdivision();
@@ -266,14 +269,14 @@ pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<W
     Some(all)
 }
 
-/// The same, whole.
+/// Computes the bounds of every wavelet, without progress.
 pub(super) fn all_bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
-    // Nobody breaks.
+    // Never breaks.
     bounds(mesh, &mut |_| ControlFlow::Continue(())).unwrap_or_default()
 }
 
-/// Makes anew the bounds of the wavelets whose supports hold any of these faces, of any level; they are the same as if all were.
-/// `diagonal` is what the mesh had before. Which they are, ascending.
+/// Recomputes the bounds of wavelets whose supports contain any of these faces, of any level. The result equals
+/// [`all_bounds`]. `diagonal`: the mesh's before the change. Returns the recomputed wavelets, ascending.
 pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> Vec<u32> {
     let of = mesh.subdivision();
     if room(diagonal) != room(mesh.diagonal()) {
@@ -288,7 +291,7 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     let grounds = Grounds::new(mesh, wavelets.len() > of.wavelet_count() / FEW);
     let mut end = wavelets.len();
     while end > 0 {
-        // Those of one level need none of each other.
+        // Wavelets of the same level are independent.
         let level = of.wavelets_of(of.level_of(wavelets[end - 1]));
         let start = wavelets[..end].partition_point(|&wavelet| wavelet < level.start);
         let find = |&wavelet: &u32| grounds.bounds(wavelet, |finer| all[finer as usize]);
@@ -308,13 +311,14 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     wavelets
 }
 
-/// The wavelets whose supports hold any of these faces or of those that they are parts of, ascending; with `siblings` also those
-/// on the sides of such, for whom the coefficients on the other sides count, and so the corner opposite.
+/// Returns the wavelets whose supports contain any of these faces or their ancestors, ascending. With `siblings`, also
+/// the wavelets on the sides of these faces: their bounds use the coefficients on the other sides, and so the opposite
+/// corner.
 fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>, siblings: bool) -> Vec<u32> {
     faces.sort_unstable();
     let mut wavelets = Vec::new();
     let mut on_sides: Vec<u32> = Vec::new();
-    // Parents come out in the same order as their children: two queues, and the larger head is next.
+    // Parents come out in the order of their children: two queues, and the larger head is next.
     let mut parents = std::collections::VecDeque::new();
     loop {
         let next = match (faces.last(), parents.front()) {
@@ -352,7 +356,7 @@ fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>, siblings: bool) -> Vec<u
     wavelets
 }
 
-/// The next single precision number that is not below.
+/// Returns the least single precision number not below `x`.
 fn above(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }.min(f32::MAX)

@@ -1,32 +1,32 @@
-//! Building a subdivision level by level: who is split, and the edges that this makes.
+//! Builds a subdivision level by level: the faces to split, and the new edges.
 //!
-//! Edges of one level are numbered anew: the halves of those with a wavelet, and three inside every split face. Each runs in one
-//! direction, its wavelet's: that of the lower end first on the base, of its whole for a half, of the centre's side
-//! inside.
+//! Edges of each level are numbered anew: the halves of edges with a wavelet, and three inside every split face. Each
+//! edge runs in a single direction, its wavelet's: on the base from the lower end, a half as its whole edge, an inside
+//! edge as the side of the central child.
 
 use crate::mesh::{Edges, NONE};
 
 use super::WaveletError;
 use super::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
 
-/// A subdivision under construction. All of a level is split, or not, before the next.
+/// A subdivision under construction. All faces to split in a level are given before the next level.
 #[derive(Debug)]
 pub(super) struct SubdivisionBuilder {
     done: Subdivision,
     split_faces: Vec<u32>,
-    /// Per face of the last level its edges, and which of them run against the side.
+    /// Per face of the last level its edges. `against`: whether a side and its edge run in opposite directions.
     edges: Vec<[u32; 3]>,
     against: Vec<[bool; 3]>,
     edge_count: usize,
     /// Per edge of the last level whether it is on a seam of the base.
     seam: Vec<bool>,
-    /// Edges of the last level on the sides of coarser faces that are not split, and these.
+    /// Edges of the last level on the sides of unsplit coarser faces, with these sides.
     coarser: Vec<(u32, Side)>,
 }
 
 impl SubdivisionBuilder {
-    /// `corners`: vertices of the base faces; `points`: the same, one number for each position; `midpoints`: for faces that
-    /// are to be split something that tells sides with the same ends apart, or `NONE`.
+    /// Creates a builder. `corners`: vertices of the base faces. `points`: corners with a single number for each
+    /// position. `midpoints`: per side of a face to be split, a number telling apart sides with the same ends, or `NONE`.
     pub fn new(
         corners: Vec<[u32; 3]>,
         vertex_count: usize,
@@ -42,7 +42,7 @@ impl SubdivisionBuilder {
         for (face, edges) in ends.iter().enumerate() {
             for (side, &edge) in edges.iter().enumerate() {
                 let middle = midpoints.get(face).map_or(NONE, |sides| sides[side]);
-                // An edge of a face that has a point twice is its own.
+                // A face with a repeated point does not share the edge.
                 let alone = if edge == NONE { 3 * face as u32 + side as u32 } else { NONE };
                 keys.push(([edge, if edge == NONE { alone } else { middle }], 3 * face as u32 + side as u32));
             }
@@ -67,8 +67,8 @@ impl SubdivisionBuilder {
         Ok(Self::with_edges(corners, vertex_count as u32, edges, against, edge_count))
     }
 
-    /// From the edges of the base faces: which is on each side, none twice on one face and at most [`MOST_ALONG`] times in
-    /// all, and whether the side runs against it.
+    /// Creates a builder from the edges of the base faces. Per side its edge (never twice on a face, at most
+    /// [`MOST_ALONG`] times in all), and whether the side runs against the edge.
     pub fn with_edges(
         corners: Vec<[u32; 3]>,
         vertex_count: u32,
@@ -76,7 +76,7 @@ impl SubdivisionBuilder {
         against: Vec<[bool; 3]>,
         edge_count: usize,
     ) -> Self {
-        // A seam is where the two ends, in order, are not the same vertices in all faces.
+        // An edge is a seam if its two ends, in order, are not the same vertices in all faces.
         let mut seam = vec![false; edge_count];
         let mut first = vec![[NONE; 2]; edge_count];
         for face in 0..corners.len() {
@@ -102,17 +102,17 @@ impl SubdivisionBuilder {
         Self { done, split_faces: Vec::new(), edges, against, edge_count, seam, coarser: Vec::new() }
     }
 
-    /// The subdivision so far; what is split in the last level is not known to it.
+    /// Returns the subdivision so far, without splits of the last level.
     pub fn subdivision(&self) -> &Subdivision {
         &self.done
     }
 
-    /// Faces of the last level.
+    /// Returns the faces of the last level.
     pub fn last_level(&self) -> std::ops::Range<u32> {
         self.done.faces_of(self.done.depth())
     }
 
-    /// Edges on seams that a split face is at.
+    /// Marks the seam edges of split faces.
     fn interior_seams(&self, split: &[bool]) -> Vec<bool> {
         let mut interior_seams = vec![false; self.edge_count];
         for (edges, _) in self.edges.iter().zip(split).filter(|(_, split)| **split) {
@@ -121,7 +121,7 @@ impl SubdivisionBuilder {
         interior_seams
     }
 
-    /// The first face of the last level that would be split only because one across a seam is. O(faces of the level).
+    /// Returns the first face of the last level split only because of a face across a seam. O(faces of the level).
     pub fn first_dragged(&self, split: &[bool]) -> Option<u32> {
         if !self.seam.contains(&true) {
             return None;
@@ -134,7 +134,7 @@ impl SubdivisionBuilder {
         Some(self.last_level().start + at as u32)
     }
 
-    /// Lets faces across a seam be split together, so that each side of a seam has vertices of its own.
+    /// Also splits the faces across a seam from split faces, so each side of a seam has its own vertices.
     fn close(&self, split: &mut [bool]) {
         if !self.seam.contains(&true) {
             return;
@@ -153,13 +153,13 @@ impl SubdivisionBuilder {
         }
     }
 
-    /// Splits those of the last level, and those across seams from them; `false` where there is none.
+    /// Splits the given faces of the last level, and faces across seams from them. `false`: no face was split.
     pub fn split(&mut self, mut split: Vec<bool>) -> Result<bool, WaveletError> {
         self.close(&mut split);
         self.split_only(&split)
     }
 
-    /// Splits those of the last level and no others; `false` where there is none.
+    /// Splits only the given faces of the last level. `false`: no face was split.
     pub fn split_only(&mut self, split: &[bool]) -> Result<bool, WaveletError> {
         let faces = self.last_level();
         let new: Vec<u32> = (faces.clone()).zip(split).filter(|(_, split)| **split).map(|(f, _)| f).collect();
@@ -263,10 +263,10 @@ impl SubdivisionBuilder {
         }
     }
 
-    /// Makes known which faces are split.
+    /// Updates the index of split faces.
     fn index(&mut self) {
         let done = &mut self.done;
-        // Not of earlier levels alone: then the faces of the new one are split as their numbers say.
+        // If exactly the first faces are split, their numbers tell so: no index needed.
         if self.split_faces.last().is_some_and(|&last| last as usize + 1 == self.split_faces.len()) {
             return;
         }
@@ -285,15 +285,16 @@ impl SubdivisionBuilder {
         done.split_faces.clone_from(&self.split_faces);
     }
 
-    /// The subdivision, where every wavelet has one vertex.
+    /// Returns the subdivision, with a single vertex per wavelet.
     pub fn finish_without_seams(self) -> Subdivision {
         let mut done = self.done;
         done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
         done
     }
 
-    /// The subdivision. `key` tells the vertices at the midpoint of a side of a split face apart, as children have them: the one
-    /// at the first half, the one at the second, and the centre. Those along one edge with the same key share one.
+    /// Returns the subdivision. `key` tells apart the vertices at the midpoint of a split face's side, as its children
+    /// have them: at the first half, at the second half, and at the centre. Children along the same edge with equal keys
+    /// share a vertex.
     pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
         let mut done = self.finish_without_seams();
         // Across a seam faces are split together.
@@ -304,7 +305,8 @@ impl SubdivisionBuilder {
         done
     }
 
-    /// The same where faces that are not split are beside seams too: `key` is asked for their sides for each wavelet there.
+    /// Returns the subdivision, like `finish`, where unsplit faces may be beside seams too: `key` is also called for
+    /// their sides, for each wavelet there.
     pub fn finish_beside<K: PartialEq>(
         self,
         key: impl Fn(&Subdivision, u32, u32, usize, Part) -> K,
@@ -316,8 +318,8 @@ impl SubdivisionBuilder {
 }
 
 impl Subdivision {
-    /// Gives wavelets one vertex for each key that the sides along their edges have; to those that are `looked_at`. A face that is
-    /// not split has the key of the first side, or one that no other has. `key` is told wavelet, face, side and part.
+    /// Gives each wavelet a vertex for every distinct key of the `looked_at` sides along its edge. `key` gets wavelet,
+    /// face, side and part. For an unsplit face `key` returns the first side's key, or a key of no other side.
     pub(super) fn tell_apart<K: PartialEq>(
         &mut self,
         looked_at: impl Fn(&Self, Side) -> bool,
@@ -365,7 +367,7 @@ impl Subdivision {
     }
 }
 
-/// Children of a split face that meet at the midpoint of a side.
+/// Children of a split face meeting at the midpoint of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     First,
@@ -376,7 +378,7 @@ pub(super) enum Part {
 impl Part {
     pub const ALL: [Self; 3] = [Self::First, Self::Second, Self::Centre];
 
-    /// The child, and its corner at the midpoint of that side.
+    /// Returns the child, and its corner at the midpoint of the side.
     pub fn corner(self, side: usize) -> (usize, usize) {
         match self {
             Self::First => (side, 1),

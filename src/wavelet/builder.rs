@@ -1,4 +1,4 @@
-//! A wavelet mesh from a base mesh: level by level, by a function that says where new vertices go, and which faces are split.
+//! Builds a wavelet mesh from a base mesh level by level: functions place the new vertices and choose the faces to split.
 
 use std::ops::ControlFlow;
 
@@ -12,34 +12,34 @@ use super::{WaveletError, WaveletMesh, WaveletOptions};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Midpoint {
-    /// The level that it is new in, from 1.
+    /// The first level with this vertex, from 1.
     pub level: usize,
     /// Ends of the edge, vertices of the mesh under construction.
     pub ends: [u32; 2],
-    /// Where they are, object units.
+    /// Positions of the ends, object units.
     pub positions: [[f32; 3]; 2],
-    /// The middle of the two, object units.
+    /// Mean of both positions, object units.
     pub middle: [f32; 3],
 }
 
-/// A face that may be split.
+/// A face which may be split.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Face {
     /// Its level, 0 for base faces.
     pub level: usize,
-    /// The triangle of the base mesh that it is a part of.
+    /// The triangle of the base mesh containing the face.
     pub base_face: u32,
     /// Its corners, vertices of the mesh under construction.
     pub vertices: [u32; 3],
-    /// Where they are, object units.
+    /// Positions of the corners, object units.
     pub corners: [[f32; 3]; 3],
 }
 
-/// Vertices that are none of the base's, with their ends.
+/// Vertices not in the base, with their ends.
 type Ends = Vec<(u32, [u32; 2])>;
 
-/// Subdivides a base mesh. Attributes of new vertices are in the middle of their ends'.
+/// Subdivides a base mesh. Attributes of a new vertex are the mean of its ends' attributes.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -61,39 +61,40 @@ type Ends = Vec<(u32, [u32; 2])>;
 pub struct WaveletBuilder {
     builder: SubdivisionBuilder,
     base: Mesh,
-    /// Of base vertices, then of wavelets.
+    /// Positions of base vertices, then of wavelets.
     positions: Vec<[f32; 3]>,
 }
 
 impl WaveletBuilder {
-    /// From a base mesh: any triangles. Seams of its attributes are kept.
+    /// Creates a builder from a base mesh: any triangles. Keeps the seams of its attributes.
     ///
     /// # Errors
-    /// Too many triangles, or too many along one edge.
+    /// Too many triangles, or too many along the same edge.
     pub fn new(base: &Mesh) -> Result<Self, WaveletError> {
         let topology = Topology::new(base);
         let corners = base.triangles().to_vec();
         let points: Vec<[u32; 3]> =
             corners.iter().map(|t| t.map(|v| topology.point_of()[v as usize])).collect();
-        // One vertex for each wedge, so that seams are where attributes differ.
+        // A vertex for each wedge, so seams are where attributes differ.
         let corners = corners.iter().map(|t| t.map(|v| topology.wedge_of()[v as usize])).collect();
         let builder = SubdivisionBuilder::new(corners, base.positions().len(), &points, &[])?;
         Ok(Self { builder, base: base.clone(), positions: base.positions().to_vec() })
     }
 
-    /// Splits every face of the last level; `place` says where each new vertex goes.
+    /// Splits every face of the last level; `place` returns the position of each new vertex.
     ///
     /// # Errors
-    /// Too many faces, more than 52 levels, or a place that is not finite.
+    /// Too many faces, more than 52 levels, or a position not finite.
     pub fn subdivide(&mut self, place: impl FnMut(&Midpoint) -> [f32; 3]) -> Result<&mut Self, WaveletError> {
         self.subdivide_where(|_| true, place)
     }
 
-    /// Splits faces of the last level. Beside faces that are not split, new vertices cut these; there is no crack wherever
-    /// they are put. Across seams of attributes faces are split together.
+    /// Splits the faces of the last level for which `split` is true; `place` returns the position of each new vertex. New
+    /// vertices cut unsplit neighbours too, so no position opens a crack. Faces across seams of attributes are split
+    /// together.
     ///
     /// # Errors
-    /// Too many faces, more than 52 levels, or a place that is not finite.
+    /// Too many faces, more than 52 levels, or a position not finite.
     pub fn subdivide_where(
         &mut self,
         mut split: impl FnMut(&Face) -> bool,
@@ -125,7 +126,7 @@ impl WaveletBuilder {
         Ok(self)
     }
 
-    /// The mesh.
+    /// Builds the mesh.
     ///
     /// # Errors
     /// Too many materials.
@@ -133,8 +134,8 @@ impl WaveletBuilder {
         Ok(self.finish(options, &mut |_| ControlFlow::Continue(()))?.0)
     }
 
-    /// The mesh as a baked model: values of the base mesh's vertices are arranged by [`Baked::arrange_blended`]. `progress` is
-    /// told how far it is, 0 to 1, and may break.
+    /// Builds the mesh as a baked model: values of the base mesh's vertices are arranged by [`Baked::arrange_blended`].
+    /// `progress` receives the progress, 0 to 1, and may break.
     ///
     /// # Errors
     /// Too many materials, or `progress` breaks.
@@ -160,21 +161,21 @@ impl WaveletBuilder {
         ))
     }
 
-    /// The mesh, and all vertices that are none of the base's with their ends, those first that are ends of others.
+    /// Builds the mesh. Also returns all vertices not in the base with their ends; a vertex comes after its ends.
     fn finish(
         self,
         options: &WaveletOptions,
         progress: Progress<'_>,
     ) -> Result<(WaveletMesh, Ends), WaveletError> {
         let Self { builder, base, mut positions } = self;
-        // Sides of a seam have vertices of their own: told apart by the vertices at their ends.
+        // Sides of a seam have their own vertices: told apart by the vertices at their ends.
         let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
         for double in &subdivision.seam_vertices {
             positions.push(positions[subdivision.vertex_of(double.0) as usize]);
         }
         let ends = (subdivision.base_vertices..subdivision.vertex_count() as u32)
             .filter_map(|vertex| Some((vertex, subdivision.ends(vertex)?)));
-        // Ends of doubles may be doubles of coarser levels: in the order of levels, those come first.
+        // Ends of doubles may be doubles of coarser levels: coarser levels come first.
         let mut ends: Vec<(u32, [u32; 2])> = ends.collect();
         ends.sort_by_key(|&(vertex, _)| subdivision.wavelet_of(vertex));
         let order: Vec<u32> = (0..subdivision.vertex_count() as u32)
@@ -190,8 +191,8 @@ impl WaveletBuilder {
     }
 }
 
-/// Tells sides along an edge apart by the base vertices at the ends of the base edge that they are part of: inside base faces
-/// there is nothing to tell.
+/// Returns a key for a side: the base vertices at the ends of its base edge. Constant inside base faces, where sides need
+/// no telling apart.
 fn seam_key(of: &super::Subdivision, face: u32, side: usize) -> [u32; 2] {
     let (mut face, mut side) = (face, side);
     loop {

@@ -1,4 +1,5 @@
-//! A mesh that wears an atlas: vertices on edges of the base are one for each base face there, with its coordinates.
+//! A mesh textured by an atlas: each vertex on an edge of the base is repeated for each base face there, with its
+//! coordinates.
 
 use crate::mesh::{Attribute, Mesh, names};
 
@@ -7,8 +8,9 @@ use super::build::Part;
 use super::{Atlas, Subdivision, WaveletError, WaveletMesh};
 
 impl Subdivision {
-    /// The same where every edge of the base is a seam, whatever is split beside it: base faces share no vertices. And for every
-    /// vertex of that the one here. Of vertices of one wavelet those that are one by `name` are one, but on edges of the base.
+    /// Returns this subdivision with every edge of the base as a seam, even beside unsplit faces: base faces share no
+    /// vertices. Also returns the vertex of `self` for each vertex of the result. Vertices of the same wavelet with equal
+    /// `name` become a single vertex, except on edges of the base.
     fn apart(&self, name: impl Fn(u32) -> u32) -> (Self, Vec<u32>) {
         let count = self.base.len() as u32;
         let mut apart = Self {
@@ -17,7 +19,7 @@ impl Subdivision {
             ..self.clone()
         };
         apart.forget_seams();
-        // Of the faces beside an edge of the base each is on a base face's side of its own, as tell_apart asks for.
+        // Each face beside an edge of the base is on the side of another base face, as tell_apart requires.
         let key = |_: &Self, _: u32, face: u32, side: usize, part: Part| {
             if !self.is_split(face) {
                 return (self.base_side(face, side), None);
@@ -49,7 +51,7 @@ impl Subdivision {
         (apart, order)
     }
 
-    /// The side of a base face that a side of a face is on, or the base face with `None` where it is inside.
+    /// Returns the side of a base face containing the face's side, or the base face with `None` for a side inside it.
     fn base_side(&self, mut face: u32, side: usize) -> (u32, Option<usize>) {
         let mut side = Some(side);
         while let Some((parent, _, child)) = self.parent(face) {
@@ -65,14 +67,15 @@ impl Subdivision {
 }
 
 impl WaveletMesh {
-    /// The same mesh with the texture coordinates of an atlas, as attribute `uv`, instead of those that it had. Base faces share
-    /// no vertices any more: those on edges of the base are there once for each face. Places, other attributes, faces, wavelets
-    /// and bounds stay; vertices of the base that no face uses go, and seams that coordinates had inside base faces.
+    /// Returns the mesh with the texture coordinates of an atlas as attribute `uv`, replacing its previous `uv`. Base
+    /// faces no longer share vertices: vertices on edges of the base are repeated for each face. Positions, other
+    /// attributes, faces and wavelets stay. Removes unused vertices of the base, and seams of the previous `uv` inside
+    /// base faces; if these changed the diagonal or the inner seams, bounds are recomputed, else they stay.
     ///
-    /// Every vertex of a wavelet has the middle of its ends' coordinates, bit for bit. O(n).
+    /// Every vertex of a wavelet has the mean of its ends' coordinates, bit for bit. O(n).
     ///
     /// # Errors
-    /// The atlas is of another number of base faces.
+    /// The atlas has a different number of base faces.
     pub fn with_atlas(&self, atlas: &Atlas) -> Result<Self, WaveletError> {
         atlas.check(self)?;
         let alike = |a: u32, b: u32| {
@@ -91,7 +94,7 @@ impl WaveletMesh {
             let Some(chart) = atlas.chart(face) else { continue };
             corners.iter().zip(chart).for_each(|(&vertex, at)| uv[vertex as usize] = at);
         }
-        // Level by level, so that ends come first.
+        // Level by level, so ends come first.
         for wavelet in 0..subdivision.wavelet_count() as u32 {
             let own = subdivision.vertex_of(wavelet);
             for vertex in std::iter::once(own).chain(subdivision.seam_vertices_of(wavelet)) {
@@ -121,7 +124,7 @@ impl WaveletMesh {
         .at_origin_of(&self.vertices);
         let mut mesh = Self { subdivision, vertices, ..self.clone() };
         mesh.measure();
-        // They stay, unless vertices that no face used were out of the way, or coordinates were torn inside base faces.
+        // Keep the bounds, unless removed vertices or seams inside base faces changed the diagonal or the inner seams.
         if mesh.diagonal.to_bits() != self.diagonal.to_bits()
             || mesh.subdivision.interior_seams != of.interior_seams
         {

@@ -1,4 +1,4 @@
-//! Where faces and vertices are on the base: a base face and coordinates in it.
+//! Places on the base: where faces and vertices are, as a base face and barycentric coordinates in it.
 //!
 //! ```text
 //!            c2 (0, 0, 1)
@@ -10,7 +10,7 @@
 //!        (1/2, 1/2, 0)
 //! ```
 //!
-//! Whatever is given on the base (a texture, say) is given on every set of wavelets by these.
+//! So data given on the base (a texture, say) is defined for every set of wavelets.
 
 use super::Subdivision;
 use super::build::Part;
@@ -23,18 +23,18 @@ use super::subdivision::Side;
 pub struct DomainPoint {
     /// The base face.
     pub base_face: u32,
-    /// Weights of its three corners, which sum to 1. Those of vertices are exact.
+    /// Barycentric coordinates in the base face; they sum to 1. Exact for vertices.
     pub barycentric: [f64; 3],
 }
 
 impl DomainPoint {
-    /// A point of a base face.
+    /// Makes a point of a base face.
     pub fn new(base_face: u32, barycentric: [f64; 3]) -> Self {
         Self { base_face, barycentric }
     }
 }
 
-/// Corners of a child in its parent.
+/// Barycentric coordinates of a child's corners in its parent.
 pub(super) fn child_corners(child: usize) -> [[f64; 3]; 3] {
     let corner = |i: usize| std::array::from_fn(|k| f64::from(k == i % 3));
     let middle = |i: usize| blend(corner(i), corner(i + 1));
@@ -48,7 +48,7 @@ fn blend(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i])
 }
 
-/// What coordinates in a triangle with these corners are where the corners' are given.
+/// Converts coordinates `inner` in a triangle to the coordinates in which its `corners` are given.
 pub(super) fn compose(inner: [f64; 3], corners: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|k| inner[k] * corners[k][i]).sum())
 }
@@ -59,7 +59,7 @@ impl Subdivision {
         ((face as usize) < self.face_count()).then(|| self.corners(face))
     }
 
-    /// Where the corners of a face are in its base face; `None` out of range. O(level).
+    /// Places of a face's corners in its base face; `None` out of range. O(level).
     pub fn domain_of_face(&self, face: u32) -> Option<[DomainPoint; 3]> {
         if face as usize >= self.face_count() {
             return None;
@@ -74,8 +74,8 @@ impl Subdivision {
         Some(corners.map(|barycentric| DomainPoint { base_face: at, barycentric }))
     }
 
-    /// Where a vertex is: once for each base face that it is a vertex of, or for each of its corners or sides. Empty out of
-    /// range. O(level); for vertices of the base O(base faces).
+    /// Places of a vertex: one in each base face with the vertex inside, or for each corner or side of base faces at the
+    /// vertex. Empty out of range. O(level); for base vertices O(base faces).
     pub fn domain_of(&self, vertex: u32) -> impl Iterator<Item = DomainPoint> + '_ {
         let wavelet = self.wavelet_of(vertex);
         let base = self.base.iter().take(if wavelet.is_none() { self.base.len() } else { 0 });
@@ -90,14 +90,14 @@ impl Subdivision {
             let sides = self.faces_along(wavelet);
             sides.filter_map(move |side| {
                 let point = self.is_at(vertex, wavelet, side).then(|| self.domain_beside(wavelet, side))?;
-                // Inside base faces all sides say the same.
+                // Inside base faces all sides give the same point.
                 (last.replace(point) != Some(point)).then_some(point)
             })
         });
         at_corners.chain(on_sides)
     }
 
-    /// Whether a vertex is what a wavelet's midpoint is on a side of a face, for a part of it at least.
+    /// Whether a face has `vertex` as the wavelet's midpoint on the side `along`, or in a part of the face there.
     fn is_at(&self, vertex: u32, wavelet: u32, along: Side) -> bool {
         let (face, side) = (along.face(), along.side());
         if self.seam_vertices.is_empty() || !self.is_split(face) {
@@ -109,7 +109,7 @@ impl Subdivision {
         })
     }
 
-    /// Where the midpoint of a wavelet's edge is on a side that the edge is on.
+    /// Returns the place of the midpoint of a wavelet's edge, as seen from a side containing the edge.
     pub(super) fn domain_beside(&self, wavelet: u32, side: Side) -> DomainPoint {
         let corners = self.domain_of_face(side.face()).unwrap_or([DomainPoint::new(0, [0.0; 3]); 3]);
         let [a, b] = [corners[side.side()], corners[(side.side() + 1) % 3]];
@@ -118,7 +118,7 @@ impl Subdivision {
         DomainPoint { base_face: a.base_face, barycentric }
     }
 
-    /// How far along a side, 0 to 1, the midpoint of an edge that is on it is.
+    /// Returns the position, 0 to 1, of the midpoint of a wavelet's edge along a side containing the edge.
     pub(super) fn along_side(&self, wavelet: u32, side: Side) -> f64 {
         let parent_edges = self.parent_edges(wavelet, side.face());
         let t = parent_edges.fold(0.5, |t, (_, half)| 0.5 * (t + half as f64));

@@ -1,4 +1,4 @@
-//! Editing at a level: vertices move, and all that is finer follows with the coefficients it had.
+//! Edits at a level: vertices are moved, and all finer vertices follow with their coefficients.
 //!
 //! ```text
 //!     level 0     .-----------o-----------.      o: moved            (Azuma et al., equation 1, and back)
@@ -7,9 +7,9 @@
 //!     ...
 //! ```
 //!
-//! What depends on a vertex is found level by level over the faces at its corners: first all coefficients are taken where the
-//! mesh is as it was, then vertices are placed anew from the coarsest on. Nothing else is looked at, but where the box around the
-//! mesh may have shrunk.
+//! Dependent vertices are found level by level, over the faces at the corners moved. First, all coefficients are computed from
+//! the old mesh. Then vertices are placed again, coarse to fine. Nothing else is visited, unless the box around the mesh may
+//! have shrunk.
 
 use glam::{DMat3, DVec3};
 
@@ -18,53 +18,53 @@ use crate::error::MeshError;
 use super::bounds::update;
 use super::{WaveletError, WaveletMesh};
 
-/// In what frame coefficients of finer levels are kept.
+/// Frame in which coefficients of finer levels are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum DetailFrame {
-    /// That of the object: details keep their directions.
+    /// The object's frame: details keep their directions.
     #[default]
     Global,
-    /// Of the coarser surface at the vertex: along the edge that it is the midpoint of and the mean normal of the faces there. Details
-    /// turn with the surface that they are on (Zorin, Schroeder and Sweldens 1997, Interactive multiresolution mesh editing).
-    /// Where there is no such frame, that of the object.
+    /// The frame of the coarser surface at the vertex: along the vertex's edge, and the mean normal of the faces along the
+    /// edge. Details turn with the surface (Zorin, Schroeder and Sweldens 1997, Interactive multiresolution mesh editing).
+    /// Falls back to the object's frame where the edge or the normal is degenerate.
     Local,
 }
 
-/// What an edit did.
+/// Result of an edit.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Edited {
-    /// Vertices that are elsewhere now, ascending.
+    /// Moved vertices, ascending.
     pub vertices: Vec<u32>,
-    /// Where they were, object units.
+    /// Positions of the moved vertices before the edit, object units.
     pub before: Vec<[f32; 3]>,
-    /// Wavelets whose bounds were made anew, ascending.
+    /// Wavelets with recomputed bounds, ascending.
     pub wavelets: Vec<u32>,
 }
 
-/// A vertex that follows: what it adds to the middle of its ends.
+/// A vertex that follows an edit: its offset from the middle of its ends.
 struct Detail {
     wavelet: u32,
     coefficient: DVec3,
-    /// In the frame of the coarser surface, where that counts and is.
+    /// The coefficient in the frame of the coarser surface, for [`DetailFrame::Local`] where the frame exists.
     in_frame: Option<DVec3>,
 }
 
 impl WaveletMesh {
-    /// Moves vertices of levels up to `level` (0: those of the base) to other places, object units. Other vertices of these levels
-    /// stay; those of finer levels keep their coefficients in `frame`. Vertices at one place move together: all of a
-    /// wavelet's, and all of the base that are at the same position; the last move of any of them counts. Attributes
-    /// stay, normals too: see [`Normals::Recomputed`](super::Normals::Recomputed).
+    /// Moves vertices of levels up to `level` (0: base vertices) to other positions, object units. Other vertices of levels up
+    /// to `level` stay; vertices of finer levels keep their coefficients in `frame`. Coincident vertices move together: all
+    /// vertices of a wavelet, and all base vertices at the same position. If several are moved, the last move counts.
+    /// Attributes stay, including normals: see [`Normals::Recomputed`](super::Normals::Recomputed).
     ///
-    /// Bounds are what they would be if the mesh were made anew. Cost: in proportion to the vertices that move and the rims of the
-    /// supports that they are in; one pass over the base where vertices of the base move, and over all where a vertex leaves the
-    /// side of the box around the mesh inwards, or the power of two below its diagonal changes.
+    /// Bounds equal the bounds of a mesh built anew. Time: proportional to the moved vertices and the rims of the supports
+    /// containing them. Moving base vertices adds a pass over the base. A pass over all vertices is added if a vertex moves
+    /// inwards from a side of the box around the mesh, or if the power of two below the box's diagonal changes.
     ///
-    /// Coefficients are kept to rounding. [`WaveletMesh::undo`] takes an edit back bit for bit.
+    /// Coefficients are kept up to rounding. [`WaveletMesh::undo`] reverts an edit bit for bit.
     ///
     /// # Errors
-    /// The first move of a vertex that is not there or of a finer level, or to a place that is not finite; then nothing has changed.
+    /// The first move of a missing vertex, of a vertex of a finer level, or to a non-finite position. Then nothing has changed.
     ///
     /// ```
     /// use multires::mesh::shapes;
@@ -100,11 +100,12 @@ impl WaveletMesh {
         Ok(self.apply(level, self.together(moves), frame))
     }
 
-    /// Takes an edit back, the last one first: vertices that it moved are where they were, bit for bit, and so are bounds. What it did
-    /// is the edit that does it again.
+    /// Reverts an edit; revert the latest edit first. Positions and bounds are restored bit for bit. The result is the edit
+    /// which redoes `edited`.
     ///
     /// # Errors
-    /// It names a vertex that is not there or a place that is not finite, or not as many of both: an edit of another mesh.
+    /// `edited` names a missing vertex or a non-finite position, or has different numbers of vertices and positions, as an edit
+    /// of another mesh may.
     pub fn undo(&mut self, edited: &Edited) -> Result<Edited, WaveletError> {
         let (found, expected) = (edited.before.len(), edited.vertices.len());
         if found != expected {
@@ -130,7 +131,7 @@ impl WaveletMesh {
         Ok(())
     }
 
-    /// The moves of all vertices that move along, each once, ascending.
+    /// Returns the moves of all vertices that move together, each vertex once, ascending.
     fn together(&self, moves: &[(u32, [f32; 3])]) -> Vec<(u32, [f32; 3])> {
         let of = &self.subdivision;
         let place = |vertex: u32| self.vertices.positions()[vertex as usize].map(|x| (x + 0.0).to_bits());
@@ -155,13 +156,13 @@ impl WaveletMesh {
                 }
             }
         }
-        // The last of each.
+        // The last move of each vertex.
         all.sort_unstable_by_key(|&(vertex, order, _)| (vertex, std::cmp::Reverse(order)));
         all.dedup_by_key(|moved| moved.0);
         all.into_iter().map(|(vertex, _, to)| (vertex, to)).collect()
     }
 
-    /// Does it: moves are ascending, of vertices of levels up to `level`.
+    /// Applies moves: ascending, of vertices of levels up to `level`.
     fn apply(&mut self, level: usize, moves: Vec<(u32, [f32; 3])>, frame: DetailFrame) -> Edited {
         let base = self.subdivision.base_vertex_count() as u32;
         let split = moves.partition_point(|moved| moved.0 < base);
@@ -211,7 +212,7 @@ impl WaveletMesh {
         Some(0.5 * (a + b))
     }
 
-    /// The frame of the coarser surface at a wavelet's midpoint, if it has an edge and a normal there.
+    /// Returns the frame of the coarser surface at a wavelet's midpoint; `None` where the edge or the normal is degenerate.
     fn frame(&self, wavelet: u32) -> Option<DMat3> {
         let of = &self.subdivision;
         let [a, b] = of.ends(of.vertex_of(wavelet))?.map(|end| self.place(end));
@@ -222,10 +223,10 @@ impl WaveletMesh {
         for side in of.faces_along(wavelet).filter(|side| side.face() >= start) {
             let [a, b, c] = of.corners(side.face()).map(|corner| self.place(corner));
             let own = (b - a).cross(c - a).reject_from_normalized(along);
-            // Faces that turn the same way run against each other along their edge; others count as if turned over.
+            // Consistently oriented faces run against each other along their edge; other faces count as if turned over.
             let &mut (against, one) = first.get_or_insert((side.against(), own));
             normal += if side.against() == against && normal != DVec3::ZERO { -own } else { own };
-            // Where they lie on each other, that of the first.
+            // Where the faces lie on each other, use the normal of the first.
             if normal.length() < 1e-6 * own.length() {
                 normal = one;
             }
@@ -242,8 +243,8 @@ impl WaveletMesh {
         Detail { wavelet, coefficient, in_frame }
     }
 
-    /// Who follows where these vertices of the base and wavelets up to `level` move, from coarse to fine; and all faces with a corner
-    /// that moves, or with a midpoint of a side that does.
+    /// Finds the details that follow base vertices `corners` and `wavelets` up to `level`, coarse to fine. Also returns all
+    /// faces with a moved corner or a moved midpoint of a side.
     fn ripple(
         &self,
         level: usize,
@@ -254,7 +255,7 @@ impl WaveletMesh {
         let of = &self.subdivision;
         let mut details = Vec::new();
         let mut faces = Vec::new();
-        // Faces of the level with a corner that moves, ascending, and which do.
+        // Faces of the level with a moved corner, ascending, with a bit for each moved corner.
         let mut active: Vec<(u32, u8)> = Vec::new();
         if !corners.is_empty() {
             let masks = of.base.iter().map(|face| {
@@ -290,7 +291,7 @@ impl WaveletMesh {
                 faces.push(along.face());
                 parents.push((along.face(), 0));
             }
-            // Those that move at a corner come first of their equals.
+            // Of equal faces, keep the entry with moved corners.
             parents.sort_unstable_by_key(|&(face, mask)| (face, std::cmp::Reverse(mask)));
             parents.dedup_by_key(|parent| parent.0);
             for (face, mask) in parents.into_iter().filter(|(face, _)| of.is_split(*face)) {
@@ -308,7 +309,7 @@ impl WaveletMesh {
         (details, faces)
     }
 
-    /// The box around all vertices where some have moved.
+    /// Updates the box around all vertices after some have moved.
     fn extend_box(&mut self, before: &[(u32, [f32; 3])]) {
         let Some([mut low, mut high]) = self.extent else { return };
         let positions = self.vertices.positions();

@@ -1,4 +1,4 @@
-//! What can be wrong with a subdivision or the values on it.
+//! Errors in a subdivision or in the values on it.
 
 use crate::error::MeshError;
 
@@ -6,68 +6,68 @@ use crate::error::MeshError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WaveletError {
-    /// More of something than its numbers can hold.
+    /// More elements than their numbers can hold.
     #[error("{count} {what} are more than {limit}")]
     TooMany {
-        /// Of what.
+        /// The kind of element.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements found.
         count: usize,
-        /// How many there may be.
+        /// Largest number allowed.
         limit: usize,
     },
-    /// Too many triangles on one edge.
+    /// Too many triangles on an edge.
     #[error("{count} triangles meet along an edge of triangle {triangle}, more than {limit}")]
     TooManyAlongEdge {
-        /// One of them.
+        /// A triangle at the edge.
         triangle: usize,
-        /// How many there are.
+        /// Number of triangles found.
         count: usize,
-        /// How many there may be.
+        /// Largest number allowed.
         limit: usize,
     },
-    /// The mesh is no four-to-one subdivision of a coarser one.
+    /// The mesh is not a four-to-one subdivision of a coarser mesh.
     #[error("no part of the mesh is a four-to-one subdivision of a coarser one: {reason}")]
     NoConnectivity {
-        /// What was found instead.
+        /// The obstacle found.
         reason: String,
     },
-    /// A texture too small for its charts.
+    /// The texture is too small for its charts.
     #[error(
         "{charts} charts with gutters of {gutter} texels do not fit a texture of {resolution} texels a side, but one of {needed}"
     )]
     AtlasTooSmall {
         /// Number of charts.
         charts: usize,
-        /// Texels around each of them.
+        /// Texels around each chart.
         gutter: u32,
-        /// Texels a side.
+        /// Texels on each side of the texture.
         resolution: u32,
-        /// Texels a side that are enough.
+        /// Smallest sufficient number of texels on each side.
         needed: u64,
     },
-    /// A number of something that does not fit the rest.
+    /// A number of elements does not fit the rest.
     #[error("there are {found} {what}, not {expected}")]
     Length {
-        /// Of what.
+        /// The kind of element.
         what: &'static str,
-        /// How many there are.
+        /// Number of elements found.
         found: usize,
-        /// How many there should be.
+        /// Number of elements expected.
         expected: usize,
     },
-    /// Parts that do not fit together.
+    /// Parts do not fit together.
     #[error("{what} {at}")]
     Invalid {
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
         /// The number of the element.
         at: usize,
     },
-    /// The mesh that comes out, or went in, is not valid.
+    /// The input or output mesh is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Whoever was told of the progress said to stop.
+    /// The progress callback cancelled the build.
     #[error("the build was cancelled")]
     Cancelled,
 }

@@ -1,4 +1,4 @@
-//! The largest errors that a wavelet's absence leaves, found without looking at all of them.
+//! Finds the largest errors caused by leaving out a wavelet, without visiting every error.
 //!
 //! ```text
 //!     support      errors one by one for some levels, as far as they could be the largest so far
@@ -6,9 +6,9 @@
 //!     .     .      below: what was before, and the bounds of the wavelets on the sides of a face, turned to the own axis
 //! ```
 //!
-//! What is found depends on nothing but what is in the support, so no bounds count of wavelets on its rim: bounds made anew one by
-//! one are the same as all made at once. Some levels below, errors are a small share of the whole, so that it does not matter much that
-//! bounds of bounds are wider.
+//! The result depends only on the inside of the support: bounds of wavelets on its rim are not used. So bounds recomputed one
+//! by one equal bounds computed all at once. Errors some levels below are a small share of the total, so using bounds of finer
+//! wavelets there widens the result little.
 
 use std::cell::Cell;
 
@@ -20,27 +20,27 @@ use crate::view::{ErrorShape, Fit};
 use super::ErrorBound;
 use super::bounds::{Grounds, WaveletBounds};
 
-/// Levels below a wavelet at which errors are looked at one by one, of all that is left out and of any.
+/// Levels below a wavelet with errors visited one by one: for [`ErrorBound::WithoutSiblings`] and [`ErrorBound::Conservative`].
 const LOOK_AT_ALL: u8 = 5;
 const LOOK_AT_ANY: u8 = 4;
-/// Factor by which an error that is left out of account must be smaller, so that rounding cannot make it larger.
+/// Factor by which a skipped error must be smaller than the result, so rounding cannot make it larger.
 const CAUTION: f64 = 1.0 + 1e-9;
 
-/// Parts of an error along an axis and across it.
+/// Lengths of an error along an axis and across it.
 type Parts = [f64; 2];
 
-/// Looks for the largest errors of a wavelet.
+/// Searches for the largest errors of a wavelet.
 pub(super) struct Search<'a, F> {
     pub grounds: &'a Grounds<'a>,
     pub wavelet: u32,
-    /// What shapes are about; `None`: balls.
+    /// Axis of the shapes; `None`: balls.
     pub axis: Option<DVec3>,
-    /// Bounds of finer wavelets.
+    /// Returns the bounds of a finer wavelet.
     pub finer: &'a F,
 }
 
 impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
-    /// Half-lengths of the smallest shape around them.
+    /// Returns half-lengths of the smallest shape around all errors.
     pub fn fit(&self) -> [f32; 2] {
         let shape = self.grounds.mesh.options().shape;
         let span = Cell::new([0.0; 2]);
@@ -60,7 +60,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         fit.get().sizes()
     }
 
-    /// Visits errors, leaving out those that are no larger than what is not `worth` looking at.
+    /// Visits errors, skipping errors no larger than a bound not `worth` visiting.
     fn run(&self, worth: impl Fn(Parts) -> bool, found: impl FnMut(Parts)) {
         match self.grounds.mesh.options().bound {
             ErrorBound::WithoutSiblings => self.all_left_out(worth, found),
@@ -79,7 +79,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         self.parts(self.grounds.coefficient(wavelet))
     }
 
-    /// The most that the wavelets on an edge and on its parts can move a point beside it.
+    /// Returns the largest displacement of a point at an edge by the wavelets on the edge and on its parts.
     fn beside(&self, wavelet: u32, parts: &impl Fn(u32) -> Parts) -> Parts {
         if wavelet == NONE {
             return [0.0; 2];
@@ -88,8 +88,8 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         add(parts(wavelet), most(a, b))
     }
 
-    /// What a wavelet and all finer ones in its support can add up to, at most: from its bounds, which are about another axis.
-    /// `own`: what of that is not to be counted.
+    /// Returns an upper bound of the sum of a wavelet and all finer wavelets in its support, from the wavelet's bounds, which
+    /// have another axis. `own`: a part of the sum to subtract.
     fn most_of(&self, wavelet: u32, own: Option<DVec3>) -> Parts {
         let shape = self.grounds.mesh.options().shape;
         let bounds = (self.finer)(wavelet).unpack([0.0; 3], shape);
@@ -114,7 +114,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         }
     }
 
-    /// Errors at the vertices inside the support where all wavelets of this level and finer ones are left out.
+    /// Visits errors at the vertices inside the support, with all wavelets of the wavelet's level and finer left out.
     fn all_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
         let (grounds, of) = (self.grounds, self.grounds.of);
         found(self.coefficient_parts(self.wavelet));
@@ -132,7 +132,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
             if !of.is_split(face) {
                 continue;
             }
-            // Between the corners errors are no larger than there, but for what finer wavelets add.
+            // Between the corners, errors are bounded by the errors at the corners plus the finer wavelets.
             let sides = of.sides_of_split(face);
             let so_far = errors.into_iter().fold([0.0; 2], |found, error| most(found, self.parts(error)));
             let inside = (0..3).filter(|&k| !rim[k]).map(|k| self.most_of(sides[k], None));
@@ -161,8 +161,8 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
         }
     }
 
-    /// For every face at full resolution in the support, the most that wavelets left out can move its points, along the axis and
-    /// across it.
+    /// For every face at full resolution in the support, visits the largest displacement of its points by wavelets left out,
+    /// along the axis and across it.
     fn any_left_out(&self, worth: impl Fn(Parts) -> bool, mut found: impl FnMut(Parts)) {
         let (grounds, of) = (self.grounds, self.grounds.of);
         let parts = |wavelet: u32| self.coefficient_parts(wavelet);
@@ -175,13 +175,13 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
                 let coefficients = sides.map(|side| grounds.coefficient(side));
                 let own = coefficients.map(|coefficient| self.parts(coefficient));
                 let sum = add(so_far, own.into_iter().fold([0.0; 2], most));
-                // On the rim they reach out of the support.
+                // Finer wavelets on the rim reach out of the support.
                 let finer = [0, 1, 2].map(|k| match rim[k] {
                     true => [f64::INFINITY; 2],
                     false => self.most_of(sides[k], Some(coefficients[k])),
                 });
                 for i in 0..4 {
-                    // Each child is in the supports of two sides, or of all. One side at most is on the rim.
+                    // Each child is in the supports of two sides, or of all three. At most 1 side is on the rim.
                     let j = (i + 2) % 3;
                     let (inside, rim) = match i {
                         3 => (finer.into_iter().fold(finer[0], least), [false; 3]),
@@ -200,7 +200,7 @@ impl<F: Fn(u32) -> WaveletBounds> Search<'_, F> {
                 }
                 continue;
             }
-            // Hats from deeper neighbours reach into it.
+            // Hats from deeper neighbours reach into the face.
             let mut beside = [0.0; 2];
             if !of.is_uniform() {
                 for side in [0, 1, 2].map(|side| of.side(face, side).0) {

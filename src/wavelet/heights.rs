@@ -8,8 +8,8 @@
 //!     level 3       |---|---|   |---|---|
 //! ```
 //!
-//! A grid of `2^k n + 1` samples a side is a subdivision as it is. Any other is one whose faces are not all split equally often,
-//! which costs an eighth more steps at most along each side.
+//! A grid of `2^k n + 1` samples a side is a subdivision already. For other sizes, faces are split to different depths, and
+//! each side gets at most 1/8 more steps.
 
 use std::cell::RefCell;
 
@@ -17,17 +17,17 @@ use crate::mesh::Mesh;
 
 use super::{Face, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions};
 
-/// Share by which halved steps may outnumber those of the grid along one side.
+/// Largest share of additional steps along a side.
 const SPARE: f64 = 1.0 / 8.0;
 /// Most levels.
 const MOST_LEVELS: u32 = 20;
 
 impl WaveletMesh {
-    /// A terrain over a grid of `size[0]` by `size[1]` heights, at least 2 by 2, in rows along x. Sample `(i, j)` lies at
-    /// `[i * spacing[0], heights[i + j * size[0]], j * spacing[1]]`, object units; y is up, and the upper side is the outside.
+    /// Makes a terrain over a grid of `size[0]` by `size[1]` heights, at least 2 by 2, in rows along x. Sample `(i, j)` lies at
+    /// `[i * spacing[0], heights[i + j * size[0]], j * spacing[1]]`, object units. y is up, and the upper side is the outside.
     ///
-    /// The full resolution goes through every sample. Where a side has no `2^k n + 1` samples there are further vertices
-    /// half-way between two. O(n).
+    /// The full resolution goes through every sample. A side without `2^k n + 1` samples gets additional vertices half-way
+    /// between two samples. O(n).
     ///
     /// ```
     /// use multires::lod::Level;
@@ -41,8 +41,8 @@ impl WaveletMesh {
     /// ```
     ///
     /// # Errors
-    /// Fewer than 2 samples a side, other than `size[0] * size[1]` heights, a height or a place that is not finite, or more
-    /// faces than can be numbered.
+    /// Fewer than 2 samples a side, not exactly `size[0] * size[1]` heights, a non-finite height or position, or more faces
+    /// than can be numbered.
     pub fn from_heights(
         heights: &[f32],
         size: [usize; 2],
@@ -61,7 +61,7 @@ impl WaveletMesh {
         let levels = levels(steps);
         let [across, down] = steps.map(|steps| cuts(steps, levels));
 
-        // The base: squares between cuts, each two triangles.
+        // The base: squares between cuts, two triangles each.
         let coords: Vec<[f64; 2]> =
             down.iter().flat_map(|&y| across.iter().map(move |&x| [x as f64, y as f64])).collect();
         let row = across.len() as u32;
@@ -84,7 +84,7 @@ impl WaveletMesh {
             builder.subdivide_where(is_coarse, |midpoint| {
                 let [a, b] = midpoint.ends.map(|end| coords.borrow()[end as usize]);
                 let at = [0, 1].map(|axis| halfway(a[axis], b[axis]));
-                // New vertices are numbered in the order in which they are asked for.
+                // New vertices are numbered in the order of these calls.
                 coords.borrow_mut().push(at);
                 field.place(at)
             })?;
@@ -100,11 +100,11 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Where a point of the grid lies; between samples in the middle of those beside it.
+    /// Returns the position of a grid point; between samples, the middle of the two samples beside it.
     fn place(&self, at: [f64; 2]) -> [f32; 3] {
         let [low, high] = [at.map(f64::floor), at.map(f64::ceil)].map(|at| at.map(|x| x as usize));
         let height = |x: usize, y: usize| f64::from(self.heights[x + y * self.size[0]]);
-        // Along the diagonal that squares are cut by.
+        // Along the diagonal which cuts the squares.
         let height = if low == high {
             self.heights[low[0] + low[1] * self.size[0]]
         } else {
@@ -114,7 +114,7 @@ impl Field<'_> {
     }
 }
 
-/// The most halvings that do not make too many steps of either side.
+/// Returns the most halvings for which neither side gets too many steps.
 fn levels(steps: [usize; 2]) -> u32 {
     let fits = |levels: u32| {
         steps.iter().all(|&steps| {
@@ -126,13 +126,13 @@ fn levels(steps: [usize; 2]) -> u32 {
     (0..=MOST_LEVELS).rev().find(|&levels| fits(levels)).unwrap_or(0)
 }
 
-/// Samples at which a side is cut into base edges, as even as can be, of at most `2^levels` steps.
+/// Returns the samples cutting a side into base edges of at most `2^levels` steps, as even as possible.
 fn cuts(steps: usize, levels: u32) -> Vec<usize> {
     let pieces = steps.div_ceil(1 << levels);
     (0..=pieces).map(|piece| piece * steps / pieces).collect()
 }
 
-/// The sample half-way between two, or if there is none between them, the middle.
+/// Returns the sample half-way between two grid points; their middle if no sample is between them.
 fn halfway(a: f64, b: f64) -> f64 {
     let middle = 0.5 * (a + b);
     if (a - b).abs() > 1.0 { middle.floor() } else { middle }

@@ -1,4 +1,4 @@
-//! One drawn instance of a wavelet mesh: the cut that a view asks for, its triangles and its vertices.
+//! A drawn instance of a wavelet mesh: the cut requested by a view, its triangles and its vertices.
 
 use std::sync::Arc;
 
@@ -15,24 +15,24 @@ use super::use_counts::UseCounts;
 use super::vertices::Vertices;
 use super::{DetailFrame, Edited, Normals, WaveletError, WaveletMesh};
 
-/// One drawn instance of a [`WaveletMesh`], with the values of its vertices.
+/// A drawn instance of a [`WaveletMesh`], with the values of its vertices.
 ///
-/// Vertices that are there only because a neighbouring wavelet splits a face lie on the surface, in the middle of their ends, so
-/// values change even where nothing morphs, and instances must know how two are mixed ([`Values::with_blending`]); with
-/// [`Triangulation::Minimal`] there are none such. Normals between two others come out a little short.
+/// A vertex may be in use only because a neighbouring wavelet splits a face. It then lies on the surface, in the middle of its
+/// ends. So values change even without geomorphs, and must be blendable ([`Values::with_blending`]). With
+/// [`Triangulation::Minimal`] no such vertices exist. Blended normals are slightly shorter than 1.
 ///
-/// With [`LodOptions::geomorph`] coefficients grow and shrink (Azuma et al., equation 6): transitions may overlap in space and
-/// time and turn round where they are; what [no view sees](Criterion::sees) changes at once.
+/// With [`LodOptions::geomorph`] coefficients grow and shrink (Azuma et al., equation 6). Transitions may overlap in space and
+/// time, and may reverse midway. Changes [seen by no view](Criterion::sees) happen at once.
 #[derive(Debug, Clone)]
 pub struct WaveletLod<V> {
     mesh: Arc<WaveletMesh>,
     driver: Driver,
     shown: Shown<V>,
-    /// What the cut has, where triangles are limited.
+    /// Use counts of the cut; only with a limit of triangles.
     asked: Option<Box<UseCounts>>,
 }
 
-/// What is drawn.
+/// The triangles and vertices drawn.
 #[derive(Debug, Clone)]
 struct Shown<V> {
     surface: WaveletSurface,
@@ -63,7 +63,7 @@ impl<V: Vertex> Shown<V> {
     }
 }
 
-/// What is drawn, of which mesh.
+/// A mesh, and what is drawn of it.
 struct Sink<'a, V> {
     mesh: &'a WaveletMesh,
     shown: &'a mut Shown<V>,
@@ -104,7 +104,7 @@ impl<V: Vertex> RefinementSink for Sink<'_, V> {
     }
 }
 
-/// Whether values can be mixed where options ask for that.
+/// Fails if the options need blending and the values cannot be blended.
 fn check<V>(values: &Values<V>, options: &LodOptions) -> Result<(), LodError> {
     let what = match options {
         LodOptions { geomorph: Some(_), .. } => "a geomorph",
@@ -115,11 +115,11 @@ fn check<V>(values: &Values<V>, options: &LodOptions) -> Result<(), LodError> {
 }
 
 impl<V: Vertex> WaveletLod<V> {
-    /// An instance. `values` are those of the mesh's vertices, each at its own place, as
-    /// [`WaveletMesh::vertices`] has them; shared by instances.
+    /// Makes an instance drawing the base mesh. `values` has a value for each vertex of the mesh at its own place, in the order
+    /// of [`WaveletMesh::vertices`]; instances share it.
     ///
     /// # Errors
-    /// There are not as many values as vertices, or they would have to be mixed and cannot be.
+    /// The number of values differs from the number of vertices, or the options need blending and the values cannot be blended.
     pub fn new(
         mesh: Arc<WaveletMesh>,
         values: impl Into<Values<V>>,
@@ -138,7 +138,7 @@ impl<V: Vertex> WaveletLod<V> {
         Ok(lod)
     }
 
-    /// Takes options that ask for nothing but what is drawn already.
+    /// Applies options without rebuilding triangles and vertices.
     fn apply(&mut self, options: &LodOptions) {
         let Self { mesh, driver, shown, asked, .. } = self;
         let of = mesh.subdivision();
@@ -160,7 +160,7 @@ impl<V: Vertex> WaveletLod<V> {
         self.shown.write(&self.mesh);
     }
 
-    /// Makes triangles and vertices anew for other options. What was asked for is drawn, every vertex at its place.
+    /// Rebuilds triangles and vertices for other options. Finishes transitions: the cut is drawn, every vertex at its place.
     fn rebuild(&mut self, options: &LodOptions) {
         self.settle();
         let values = self.shown.vertices.values_at_rest().clone();
@@ -175,14 +175,14 @@ impl<V: Vertex> WaveletLod<V> {
         self.shown = shown;
     }
 
-    /// Edits the mesh ([`WaveletMesh::edit`]) and draws it as it is then; `value` gives vertices that are elsewhere their new values.
-    /// The next call asks a view about all that is drawn.
+    /// Edits the mesh ([`WaveletMesh::edit`]) and draws the result; `value` returns the new values of moved vertices. The next
+    /// adapt call tests everything drawn.
     ///
-    /// In place where no one else holds the mesh, or the values; else in a copy, O(n), which this instance keeps: hand it to others
-    /// by [`replace`](Self::replace).
+    /// Edits in place where nothing else shares the mesh and the values. Otherwise edits a copy, O(n), kept by this instance:
+    /// pass it to other instances by [`replace`](Self::replace).
     ///
     /// # Errors
-    /// Those of [`WaveletMesh::edit`]; then nothing has changed.
+    /// The errors of [`WaveletMesh::edit`]; then nothing has changed.
     pub fn edit(
         &mut self,
         level: usize,
@@ -199,14 +199,14 @@ impl<V: Vertex> WaveletLod<V> {
         Ok(edited)
     }
 
-    /// Draws a mesh of the same connectivity instead: one that was edited. `changed` are the vertices whose values differ from those
-    /// so far, in any order; cuts and what is on its way stay. The next call asks a view about all that is drawn.
+    /// Draws an edited mesh of the same connectivity instead. `changed` lists the vertices with new values, in any order. The
+    /// cut and transitions stay. The next adapt call tests everything drawn.
     ///
-    /// O(what changed); where the mesh is another in memory, connectivities are compared, O(n).
+    /// O(changed); if `mesh` is another allocation, connectivities are compared, O(n).
     ///
     /// # Errors
-    /// The mesh has another connectivity or other materials, there are not as many values as vertices, or a vertex that changed is not
-    /// there; then nothing has changed.
+    /// The mesh has another connectivity or other materials, the number of values differs from the number of vertices, or
+    /// `changed` has a missing vertex. Then nothing has changed.
     pub fn replace(
         &mut self,
         mesh: Arc<WaveletMesh>,
@@ -230,7 +230,7 @@ impl<V: Vertex> WaveletLod<V> {
         Ok(())
     }
 
-    /// Takes in new values of vertices, and that bounds may be others.
+    /// Handles new values of vertices, and possibly new bounds.
     fn revalue(&mut self, changed: &[u32]) {
         let Shown { surface, vertices } = &mut self.shown;
         vertices.revalue(self.mesh.subdivision(), surface, changed);
@@ -238,60 +238,60 @@ impl<V: Vertex> WaveletLod<V> {
         self.driver.forget();
     }
 
-    /// The values of vertices at their own places, drawn or not.
+    /// Values of all vertices at their own places, drawn or not.
     pub fn own_values(&self) -> &Values<V> {
         self.shown.vertices.values_at_rest()
     }
 
-    /// The structure.
+    /// The mesh drawn.
     pub fn mesh(&self) -> &Arc<WaveletMesh> {
         &self.mesh
     }
 
-    /// Which wavelets the last view asked for, within the limit of triangles.
+    /// Wavelets requested by the last view, within the limit of triangles.
     pub fn cut(&self) -> &Cut {
         self.driver.cut()
     }
 
-    /// Whether a wavelet is drawn, be it on its way.
+    /// Whether a wavelet is drawn, including wavelets in transition.
     pub fn shows(&self, wavelet: u32) -> bool {
         (wavelet as usize) < self.mesh.subdivision().wavelet_count() && self.shown.vertices.is_set(wavelet)
     }
 
-    /// The values that are drawn: of every vertex of the mesh (those that no triangle names may be out of date), or where vertices
-    /// are packed, of every slot.
+    /// Values as drawn. Unpacked: of every vertex of the mesh, possibly out of date for vertices of no triangle. Packed: of
+    /// every slot.
     pub fn values(&self) -> &[V] {
         self.shown.vertices.drawn()
     }
 
-    /// The value of a vertex where it is drawn; at its own place where it is not. `None` out of range.
+    /// Returns the value of a vertex as drawn; at its own place if it is not drawn. `None` out of range.
     pub fn value(&self, vertex: u32) -> Option<V> {
         let known = (vertex as usize) < self.mesh.subdivision().vertex_count();
         known.then(|| self.shown.vertices.value(&self.shown.surface, self.mesh.subdivision(), vertex))
     }
 
-    /// Number of wavelets on their way.
+    /// Number of wavelets in transition.
     pub fn moving(&self) -> usize {
         self.shown.vertices.moving()
     }
 
-    /// Per triangle of a group the base face that it is a part of, for textures by base face. O(1) a triangle and level.
+    /// Per triangle of a group, its base face, for textures by base face. O(level) a triangle.
     pub fn base_faces(&self, group: usize) -> impl Iterator<Item = u32> + '_ {
         self.shown.surface.faces(group).map(|face| self.mesh.subdivision().base_face_of(face))
     }
 
-    /// Per triangle of a group the level of the face that it is a part of.
+    /// Per triangle of a group, the level of its face.
     pub fn levels(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
         self.shown.surface.faces(group).map(|face| self.mesh.subdivision().level_of_face(face))
     }
 
-    /// What is drawn as a mesh of its own, all vertices where they come to rest: the same mesh for the same cut. O(n).
+    /// Copies what is drawn to a mesh, with transitions finished: equal cuts give equal meshes. O(n).
     pub fn to_mesh_with(&self, normals: Normals) -> Mesh {
         self.mesh.extract(|wavelet| self.shows(wavelet), self.driver.options().triangulation, normals)
     }
 
-    /// Moves the cut to what a criterion of your own needs, `seconds` after the last call. `motion` is what has happened to the
-    /// criterion since then ([`Criterion::motion`]); [`Motion::Other`] where the last call was another's.
+    /// Adapts the cut to your own criterion, `seconds` after the last call. `motion` describes how the criterion has changed
+    /// since then ([`Criterion::motion`]); pass [`Motion::Other`] after a call with another criterion.
     pub fn adapt_by<C: Criterion<DeviationBounds> + ?Sized>(
         &mut self,
         criterion: &C,
@@ -304,7 +304,7 @@ impl<V: Vertex> WaveletLod<V> {
         })
     }
 
-    /// Lets the driver move what is drawn.
+    /// Runs the driver on what is drawn.
     fn drive(
         &mut self,
         go: impl FnOnce(&mut Driver, &WaveletMesh, &mut Sink<'_, V>, &mut dyn FnMut(u32, bool) -> usize) -> Change,
@@ -396,7 +396,7 @@ impl<V: Vertex> Lod for WaveletLod<V> {
         size_of::<V>()
     }
 
-    /// Never: values change with what is beside them.
+    /// Returns false: values depend on the neighbouring wavelets drawn.
     fn shares_vertices(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! A mesh as base faces and wavelets, with its vertices: what is baked, shared by instances, edited and taken apart.
+//! A mesh as base faces and wavelets, with its vertices: baked, shared by instances, edited and taken apart.
 
 use std::ops::ControlFlow;
 
@@ -14,19 +14,19 @@ use super::recognise::{Component, recognise_across_seams};
 use super::surface::WaveletSurface;
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
-/// Share of a build's time that finding the connectivity takes.
+/// Share of the build time spent on finding the connectivity.
 const RECOGNITION: f32 = 0.25;
 
-/// Most different materials: a group's number is 16 bits.
+/// Most different materials: group numbers have 16 bits.
 pub(super) const MOST_MATERIALS: usize = 1 << 16;
 
-/// A mesh with subdivision connectivity: base faces, and a lazy wavelet for every vertex that subdivision added. Immutable but
-/// for [edits](Self::edit); made by recognising the connectivity of a mesh ([`WaveletMesh::recognise`]) or from a base mesh
+/// A mesh with subdivision connectivity: base faces, and a lazy wavelet for every vertex added by subdivision. Immutable except
+/// for [edits](Self::edit). Made by recognising the connectivity of a mesh ([`WaveletMesh::recognise`]) or from a base mesh
 /// ([`WaveletBuilder`](super::WaveletBuilder)).
 ///
-/// Vertices lie at their own places, not as coefficients, so the full resolution is what went in, bit for bit. Because the
-/// cut is closed (Azuma et al., section 3.4), every vertex of a wavelet that is in it lies at its own place; the coefficient
-/// is [one subtraction](Self::coefficient) away.
+/// Vertices are stored at their own places, not as coefficients, so the full resolution equals the input bit for bit. The cut
+/// is closed (Azuma et al., section 3.4), so the vertices of every wavelet in the cut are drawn at their own places. A
+/// coefficient costs [a subtraction](Self::coefficient).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::WaveletParts"))]
@@ -34,31 +34,31 @@ pub struct WaveletMesh {
     pub(super) subdivision: Subdivision,
     /// Positions, attributes and locks of all vertices.
     pub(super) vertices: Mesh,
-    /// Different material ids, ascending; empty where there are none.
+    /// Different material ids, ascending; empty for a mesh without materials.
     pub(super) materials: Vec<u32>,
-    /// Per base face the place of its material there; empty where there are none.
+    /// Per base face the index of its material in `materials`; empty for a mesh without materials.
     pub(super) group_of: Vec<u16>,
     pub(super) bounds: Vec<WaveletBounds>,
     pub(super) options: WaveletOptions,
     pub(super) diagonal: f64,
-    /// The box around all vertices; `None` without any.
+    /// The box around all vertices; `None` without vertices.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) extent: Option<[[f32; 3]; 2]>,
 }
 
 impl WaveletMesh {
-    /// A mesh that is a four-to-one subdivision of a coarser one, if not everywhere then in some of its components. The coarsest
-    /// such mesh is found; borders of materials may only run along its edges. Attribute seams too where that is all the same;
-    /// where they run inside its faces, these are drawn split wherever they are in view, so that nothing is smeared across. O(n x
-    /// levels).
+    /// Recognises a mesh as a four-to-one subdivision of a coarser mesh, in all or some of its components. Finds the coarsest
+    /// such mesh. Material borders may run only along coarse edges. In a component whose coarsening attribute seams would stop,
+    /// seams may run inside coarse faces, else only along coarse edges. Faces with a seam inside are drawn split wherever in
+    /// view, so values are not smeared across the seam. O(n x levels).
     ///
     /// # Errors
-    /// No component is such a subdivision: [`WaveletError::NoConnectivity`] says why. Or too many faces or materials.
+    /// [`WaveletError::NoConnectivity`] with a reason: no component is such a subdivision. Also too many faces or materials.
     pub fn recognise(mesh: &Mesh, options: &WaveletOptions) -> Result<Self, WaveletError> {
         Ok(Self::recognise_with(mesh, options, &mut |_| ControlFlow::Continue(()))?.0)
     }
 
-    /// The same, and the input's vertex for each of its own.
+    /// Recognises a mesh like [`Self::recognise`]; also returns, for each vertex of the result, the input's vertex.
     pub(super) fn recognise_with(
         mesh: &Mesh,
         options: &WaveletOptions,
@@ -176,7 +176,7 @@ impl WaveletMesh {
         Ok((Self::assemble(subdivision, vertices, &materials, options, progress)?, order))
     }
 
-    /// From parts that fit: `materials` are ids of the base faces, or none.
+    /// Assembles matching parts. `materials`: ids of the base faces, or empty.
     pub(super) fn assemble(
         subdivision: Subdivision,
         vertices: Mesh,
@@ -208,7 +208,7 @@ impl WaveletMesh {
         Ok(mesh)
     }
 
-    /// Finds the box around all vertices, which faces all use.
+    /// Finds the box around all vertices. Every vertex is used by a face.
     pub(super) fn measure(&mut self) {
         let mut positions = self.vertices.positions().iter();
         let first = positions.next().copied();
@@ -230,30 +230,31 @@ impl WaveletMesh {
         &self.subdivision
     }
 
-    /// Positions, attributes and locks of all vertices at their own places, and the names of materials: what an instance takes its
-    /// values from. Base vertices first, then one vertex for each wavelet, then further ones on seams. Has no triangles.
+    /// Positions, attributes and locks of all vertices at their own places, and the names of materials: the source of an
+    /// instance's values. Base vertices come first, then each wavelet's own vertex, then further vertices on seams. Has no
+    /// triangles.
     pub fn vertices(&self) -> &Mesh {
         &self.vertices
     }
 
-    /// Different material ids, ascending: one group of triangles for each. Empty where there are none.
+    /// Different material ids, ascending: a group of triangles for each. Empty for a mesh without materials.
     pub fn materials(&self) -> &[u32] {
         &self.materials
     }
 
-    /// Whether the connectivity and the materials are those of another.
+    /// Whether the connectivity and the materials equal those of `other`.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         self.subdivision == other.subdivision
             && self.materials == other.materials
             && self.group_of == other.group_of
     }
 
-    /// How bounds were made.
+    /// Options used to make the bounds.
     pub fn options(&self) -> &WaveletOptions {
         &self.options
     }
 
-    /// Groups of triangles that instances draw: one a material, at least one.
+    /// Number of groups of triangles drawn by instances: 1 a material, at least 1.
     pub fn groups(&self) -> usize {
         self.materials.len().max(1)
     }
@@ -262,18 +263,18 @@ impl WaveletMesh {
         self.group_of.get(base_face as usize).copied().map_or(0, usize::from)
     }
 
-    /// Smallest and largest corner of the box around all vertices; `None` without faces.
+    /// Smallest and largest corner of the box around all vertices; `None` without vertices.
     pub fn extent(&self) -> Option<[[f32; 3]; 2]> {
         self.extent
     }
 
-    /// Length of the diagonal of that box, object units.
+    /// Length of the diagonal of the [box](Self::extent) around all vertices, object units.
     pub fn diagonal(&self) -> f64 {
         self.diagonal
     }
 
-    /// The coefficient of a vertex of a wavelet: from the middle of its ends to its own place, object units; `None` for base
-    /// vertices and out of range. (Azuma et al., equation 1.)
+    /// Coefficient of a wavelet's vertex (Azuma et al., equation 1): its own place minus the middle of its ends, object units.
+    /// `None` for base vertices and out of range.
     pub fn coefficient(&self, vertex: u32) -> Option<[f64; 3]> {
         let positions = self.vertices.positions();
         let [a, b] = self.subdivision.ends(vertex)?.map(|end| positions[end as usize].map(f64::from));
@@ -281,7 +282,8 @@ impl WaveletMesh {
         Some(std::array::from_fn(|i| own[i] - 0.5 * (a[i] + b[i])))
     }
 
-    /// The smallest set of wavelets that holds all that are asked for and is closed under parents, as one flag a wavelet. O(n).
+    /// Returns the smallest set of wavelets which contains all wavelets asked for and is closed under parents, as a flag a
+    /// wavelet. O(n).
     pub fn closure(&self, asked: impl Fn(u32) -> bool) -> Vec<bool> {
         let mut set: Vec<bool> = (0..self.subdivision.wavelet_count() as u32).map(asked).collect();
         for wavelet in (0..set.len() as u32).rev() {
@@ -292,19 +294,19 @@ impl WaveletMesh {
         set
     }
 
-    /// The full resolution.
+    /// Returns the mesh at full resolution.
     pub fn finest(&self, normals: Normals) -> Mesh {
         self.extract(|_| true, Triangulation::Exact, normals)
     }
 
-    /// The mesh at a level: all wavelets up to it; the base mesh at level 0.
+    /// Returns the mesh at a level: all wavelets of levels up to `level`; the base mesh at level 0.
     pub fn at_level(&self, level: usize, normals: Normals) -> Mesh {
         let end = self.subdivision.wavelets_of(level).end;
         let end = if level > self.subdivision.depth() { u32::MAX } else { end };
         self.extract(|wavelet| wavelet < end, Triangulation::Exact, normals)
     }
 
-    /// The mesh of all wavelets whose absence moves something by more than a tolerance, object units, wherever one looks from.
+    /// Returns the mesh of all wavelets whose absence moves a point by more than `tolerance`, object units, for any view.
     pub fn at_tolerance(&self, tolerance: f32, triangulation: Triangulation, normals: Normals) -> Mesh {
         let far = |wavelet: u32| {
             let bounds = &self.bounds[wavelet as usize];
@@ -313,9 +315,9 @@ impl WaveletMesh {
         self.extract(|wavelet| far(wavelet) > tolerance, triangulation, normals)
     }
 
-    /// The mesh of the smallest closed set that holds the wavelets asked for: vertices in use with their attributes and locks,
-    /// triangles with their materials, in the order of faces. Vertices that are only in the way of a split lie on the surface,
-    /// in the middle of their ends. O(n).
+    /// Returns the mesh of the smallest closed set containing the wavelets asked for: vertices in use with their attributes and
+    /// locks, and triangles with their materials, in the order of faces. Vertices in use only because of a split lie on the
+    /// surface, in the middle of their ends. O(n).
     pub fn extract(
         &self,
         asked: impl Fn(u32) -> bool,
@@ -346,10 +348,10 @@ impl WaveletMesh {
         if normals == Normals::Recomputed { mesh.with_smooth_normals() } else { mesh }
     }
 
-    /// Moves vertices that are not of the set to the middle of their ends.
+    /// Moves vertices of wavelets outside the set to the middle of their ends.
     fn settle(&self, set: &[bool], number: &[u32], mesh: Mesh, used: &[u32]) -> Mesh {
         let of = &self.subdivision;
-        // In the order of levels, so that ends come first.
+        // In the order of levels, so ends come first.
         let mut between: Vec<(u32, u32)> = used
             .iter()
             .filter_map(|&vertex| Some((of.wavelet_of(vertex)?, vertex)))
@@ -366,7 +368,7 @@ impl WaveletMesh {
         mesh.with_midpoints(ends)
     }
 
-    /// Bytes of the structure and its vertices; instances not counted.
+    /// Bytes of the structure and its vertices, without instances.
     pub fn memory(&self) -> usize {
         self.vertices.memory() + self.structure_memory()
     }
@@ -383,7 +385,7 @@ impl WaveletMesh {
     }
 }
 
-/// Of the largest component, which stands for all.
+/// Describes why the largest component was refused, standing for all components.
 fn refusal(components: &[Component]) -> String {
     let Some(largest) = components.iter().rev().max_by_key(|component| component.triangles) else {
         return "there are no triangles".to_owned();

@@ -1,31 +1,31 @@
 //! Lazy-wavelet meshes: refinement by view over subdivision connectivity.
 //!
-//! A mesh that is a four-to-one subdivision of a coarse one is the coarse mesh plus one correction for every vertex that
-//! subdivision added: a *lazy wavelet*, a hat at the midpoint of an edge, times a coefficient (Azuma et al. 2003, View-dependent
-//! refinement of multiresolution meshes with subdivision connectivity). Any set of them that is closed under parents is a
-//! mesh without cracks; a view asks for a set, and textures cannot slide, since every point stays what it is on the base.
+//! A four-to-one subdivision of a coarse mesh is the coarse mesh plus a correction for every vertex added by subdivision. The
+//! correction is a *lazy wavelet*: a hat at the midpoint of an edge, times a coefficient (Azuma et al. 2003, View-dependent
+//! refinement of multiresolution meshes with subdivision connectivity). Any set of wavelets closed under parents is a mesh
+//! without cracks, and a view selects a set. Textures cannot slide, since every point keeps its place on the base.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `quadrisection.rs`, `recognise/` | finding the coarsest mesh that a mesh is a subdivision of |
+//! | `quadrisection.rs`, `recognise/` | finding the coarsest mesh from which a mesh is subdivided |
 //! | `subdivision.rs` | [`Subdivision`]: faces, wavelets, parents and children, most of it arithmetic |
-//! | `build.rs`, `builder.rs` | building it level by level; [`WaveletBuilder`] from a base mesh |
+//! | `build.rs`, `builder.rs` | building a subdivision level by level; [`WaveletBuilder`] from a base mesh |
 //! | `heights.rs` | terrain from a grid of heights of any size |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
 //! | `domain.rs` | [`DomainPoint`]: where vertices are on the base |
 //! | `sampler.rs` | [`SurfaceSampler`]: points of the full resolution by their place on the base |
-//! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of one texture; baking it, and meshes that wear it |
-//! | `bounds.rs`, `error_search.rs` | what leaving a wavelet out can change |
-//! | `parts.rs`, `validate.rs` | the plain arrays that follow from nothing else, in and out, and every promise checked |
-//! | `truncate.rs` | the wavelets that change most, as many as fit |
-//! | `edit.rs` | moving vertices of a level, with all that is finer |
+//! | `atlas.rs`, `charts.rs` | [`Atlas`]: base faces as charts of a texture; baking it, and textured meshes |
+//! | `bounds.rs`, `error_search.rs` | bounds of the change when a wavelet is left out |
+//! | `parts.rs`, `validate.rs` | the independent plain arrays, in and out; checking every invariant |
+//! | `truncate.rs` | the wavelets with the largest errors, as many as fit |
+//! | `edit.rs` | moving vertices of a level, with all finer vertices |
 //! | `use_counts.rs` | which faces are split and which vertices are in use |
 //! | `surface.rs` | the triangles, without T-vertices |
 //! | `vertices.rs` | where vertices are drawn |
-//! | `instance.rs` | [`WaveletLod`]: one drawn instance |
-//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and leaving out the least of them |
-//! | `baked.rs` | a wavelet mesh under the one face of all structures |
-//! | `options.rs` | [`WaveletOptions`] and what they choose from |
+//! | `instance.rs` | [`WaveletLod`]: a drawn instance |
+//! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and dropping the smallest |
+//! | `baked.rs` | a wavelet mesh behind the interface common to all structures |
+//! | `options.rs` | [`WaveletOptions`] and the enums it uses |
 
 mod atlas;
 mod baked;

@@ -1,40 +1,40 @@
-//! What a wavelet mesh is made for.
+//! Options of a wavelet mesh.
 
 use crate::view::ErrorShape;
 
-/// Which errors the bounds of a wavelet hold.
+/// Errors covered by the bounds of a wavelet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorBound {
-    /// All that can come about, whatever else is in the mesh: proven.
+    /// All possible errors, for any set of other wavelets: proven.
     #[default]
     Conservative,
-    /// That of leaving out all wavelets of its level and finer ones (Azuma et al., section 3.3.3). Fewer triangles; a wavelet
-    /// that is in while its sibling is out can make the error larger.
+    /// The error of leaving out all wavelets of the wavelet's level and finer (Azuma et al., section 3.3.3). Gives fewer
+    /// triangles. With only some siblings left out, the error can be larger.
     WithoutSiblings,
 }
 
-/// How bounds of a wavelet mesh are made.
+/// Options for the bounds of a wavelet mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct WaveletOptions {
-    /// Which errors they hold.
+    /// Errors covered by the bounds.
     pub bound: ErrorBound,
     /// The shape around error vectors.
     pub shape: ErrorShape,
 }
 
 impl WaveletOptions {
-    /// With bounds of these errors.
+    /// Sets the errors covered by the bounds.
     #[must_use]
     pub fn with_bound(mut self, bound: ErrorBound) -> Self {
         self.bound = bound;
         self
     }
 
-    /// With this shape around them.
+    /// Sets the shape around error vectors.
     #[must_use]
     pub fn with_shape(mut self, shape: ErrorShape) -> Self {
         self.shape = shape;
@@ -42,13 +42,13 @@ impl WaveletOptions {
     }
 }
 
-/// Where normals of a mesh come from.
+/// Source of a mesh's normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Normals {
-    /// From the vertices, like other attributes: those of the full resolution.
+    /// The normals of the vertices at full resolution, kept like other attributes.
     #[default]
     Kept,
-    /// From the triangles as they are.
+    /// Normals computed from the triangles of the mesh made.
     Recomputed,
 }

@@ -1,7 +1,7 @@
-//! The plain arrays that a wavelet mesh is made of, in and out. What follows from others is not among them.
+//! The plain arrays of a wavelet mesh, in and out, without derived data.
 //!
-//! Connectivity is grown anew from the base faces, what is along their sides, and one bit a face: who is split. Bounds would follow
-//! too, but finding them takes as long as making the mesh, so they are stored.
+//! Connectivity is rebuilt from the base faces, the wavelets along their sides, and a bit a face: split or not. Bounds are
+//! derived too, but computing them takes as long as making the mesh, so they are stored.
 
 use crate::mesh::{Mesh, NONE};
 
@@ -10,34 +10,33 @@ use super::{Subdivision, WaveletBounds, WaveletError, WaveletMesh, WaveletOption
 /// The arrays of a [`WaveletMesh`], for file formats of your own.
 ///
 /// Faces and wavelets are numbered level by level: base faces first, then four children of each split face in order; wavelets
-/// in the order of the split faces whose sides they are on. Side k of a face runs from corner k to the next.
+/// in the order of the split faces along their edges. Side k of a face runs from corner k to corner k + 1 (modulo 3).
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WaveletParts {
     /// Vertices at the corners of every base face.
     pub base: Vec<[u32; 3]>,
-    /// Number of base vertices, which are the first ones.
+    /// Number of base vertices, which are vertices `0..base_vertices`.
     pub base_vertices: u32,
-    /// Per side of every base face twice the wavelet on it, and one more if the side runs against the wavelet's edge; `u32::MAX`
-    /// without one.
+    /// Per side of every base face `2 * wavelet + against`: `against` is 1 if the side runs against the wavelet's edge, else 0.
+    /// `u32::MAX` without a wavelet.
     pub sides: Vec<[u32; 3]>,
-    /// One bit a face, from the lowest bit of the first word on: whether it is split. Of all levels but the finest.
+    /// A bit a face, from the lowest bit of the first word on: set if the face is split. For all levels but the finest.
     pub split: Vec<u64>,
-    /// Corners of faces at midpoints where they have another vertex than the wavelet's own, as four times the face and the corner,
-    /// ascending; and that vertex.
+    /// Corners of faces at midpoints where the vertex differs from the wavelet's own: `[4 * face + corner, vertex]`, ascending.
     pub seams: Vec<[u32; 2]>,
-    /// The same for sides of faces that are not split, beside deeper neighbours across a seam: wavelet, four times the face and the side,
-    /// and vertex; by vertex. Without any, faces across a seam are split together.
+    /// Sides of unsplit faces beside deeper neighbours across a seam, where the vertex differs from the wavelet's own:
+    /// `[wavelet, 4 * face + side, vertex]`, ordered by vertex. If empty, faces across a seam are split together.
     pub beside: Vec<[u32; 3]>,
-    /// All vertices, without triangles: of the base, one for each wavelet, and the others at seams.
+    /// All vertices, without triangles: base vertices, each wavelet's own vertex, and further vertices at seams.
     pub vertices: Mesh,
     /// The material ids in use, ascending.
     pub materials: Vec<u32>,
-    /// Per base face an index into `materials`; empty where that is.
+    /// Per base face an index into `materials`; empty if `materials` is empty.
     pub group_of: Vec<u16>,
-    /// Per wavelet what leaving it out can change.
+    /// Per wavelet the bounds of the change when it is left out.
     pub bounds: Vec<WaveletBounds>,
-    /// How bounds were made.
+    /// Options used to make the bounds.
     pub options: WaveletOptions,
 }
 
@@ -63,7 +62,7 @@ impl From<WaveletMesh> for WaveletParts {
 impl TryFrom<WaveletParts> for WaveletMesh {
     type Error = WaveletError;
 
-    /// As [`WaveletMesh::validate`]. O(n), in memory as the mesh itself.
+    /// Builds and checks a mesh; fails as [`WaveletMesh::validate`]. O(n) time; O(mesh) memory.
     fn try_from(parts: WaveletParts) -> Result<Self, WaveletError> {
         let subdivision = parts.grow()?;
         let WaveletParts { vertices, materials, group_of, bounds, options, .. } = parts;
@@ -109,7 +108,7 @@ pub(super) fn beside(of: &Subdivision) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// The same members in the same order as [`WaveletParts`], without a copy of the large ones.
+/// Serialises the members of [`WaveletParts`] in the same order, without copying the large arrays.
 #[cfg(feature = "serde")]
 impl serde::Serialize for WaveletMesh {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -14,8 +14,8 @@
 //!     level    |     0      |                   1                    |                2                 |
 //! ```
 //!
-//! Faces are numbered in that order, so a parent comes before its children, the children of one face are neighbours,
-//! and one pass from either end visits parents first or children first.
+//! Faces are numbered in this order. A parent comes before its children, the four children of a face are consecutive, and a
+//! pass from either end visits parents first or children first.
 
 use std::ops::Range;
 
@@ -23,26 +23,26 @@ use crate::mesh::NONE;
 
 /// A mesh taken apart into base faces and their four-to-one subdivisions: a forest of faces in level order.
 ///
-/// Made by [`recognise`](super::recognise()). Every triangle of the mesh is exactly one leaf. Of a face with corners
-/// c0, c1, c2 and midpoints m_k on the sides from c_k to c_k+1, child i is `[c_i, m_i, m_i+2]` for i = 0, 1, 2 and
-/// child 3 the centre `[m0, m1, m2]`. 5 bytes a face.
+/// Made by [`recognise`](super::recognise()). Every triangle of the mesh is exactly 1 leaf. For a face with corners c0, c1, c2
+/// and midpoints m_k on the sides from c_k to c_k+1, child i is `[c_i, m_i, m_i+2]` for i = 0, 1, 2, and child 3 is the centre
+/// `[m0, m1, m2]`. 5 bytes a face.
 ///
-/// Two different edges of a face above the leaves may join the same two vertices: identity of an edge is that of the
-/// mesh's edges along it, and a midpoint belongs to its edge.
+/// Two different edges of a face above the leaves may join the same two vertices. Such edges are told apart by the mesh's edges
+/// along them, and a midpoint belongs to its edge.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Quadrisection {
     base_faces: u32,
-    /// Per face.
+    /// Per face: whether it is split.
     split: Vec<bool>,
-    /// Per face: NONE where split, else 3 * triangle + the triangle's corner that is the face's corner 0.
+    /// Per face: `NONE` if split, else 3 * triangle + r, where the triangle's corner r is the face's corner 0.
     leaves: Vec<u32>,
-    /// Where each level starts; one more than levels of faces.
+    /// Start of each level, and the end of the last level.
     level_start: Vec<u32>,
 }
 
 impl Quadrisection {
-    /// A forest from its parts, which fit together: as many leaves as flags, and four faces after the base faces for
-    /// every split one. O(n).
+    /// Makes a forest from matching parts: as many leaves as flags, and after the base faces four faces for every split face.
+    /// O(n).
     pub(crate) fn new(base_faces: u32, split: Vec<bool>, leaves: Vec<u32>) -> Self {
         let mut level_start = vec![0];
         let mut level = 0..base_faces as usize;
@@ -69,7 +69,7 @@ impl Quadrisection {
         self.split.is_empty()
     }
 
-    /// Number of triangles of the mesh: faces that are not split.
+    /// Number of triangles of the mesh: unsplit faces.
     pub fn triangles(&self) -> usize {
         self.base_faces() + (self.len() - self.base_faces()) / 4 * 3
     }
@@ -79,18 +79,18 @@ impl Quadrisection {
         &self.split
     }
 
-    /// Per face `u32::MAX` where it is split, else `3 * t + r`: it is triangle `t` of the mesh, whose corner `r` is the
-    /// face's corner 0.
+    /// Per face `u32::MAX` if it is split, else `3 * t + r`: the face is triangle `t` of the mesh, and corner `r` of `t` is
+    /// corner 0 of the face.
     pub fn leaves(&self) -> &[u32] {
         &self.leaves
     }
 
-    /// How many times the most often split base face is split: 0 where none is.
+    /// Depth of the most often split base face; 0 if no face is split.
     pub fn levels(&self) -> usize {
         self.level_start.len().saturating_sub(2)
     }
 
-    /// The faces of a level, 0 being that of the base faces; empty beyond [`Quadrisection::levels`].
+    /// Faces of a level, 0 for the base faces; empty beyond [`Quadrisection::levels`].
     pub fn level(&self, level: usize) -> Range<usize> {
         match self.level_start.get(level..).and_then(|rest| rest.get(..2)) {
             Some(ends) => ends[0] as usize..ends[1] as usize,
@@ -98,14 +98,14 @@ impl Quadrisection {
         }
     }
 
-    /// Every split face with its first child, in ascending order of both; the other children are the next three.
+    /// Iterates over split faces with their first children, ascending in both. The other three children follow the first.
     pub fn splits(&self) -> impl Iterator<Item = (usize, usize)> {
         let split = self.split.iter().enumerate().filter(|&(_, &split)| split);
         split.enumerate().map(|(rank, (face, _))| (face, self.base_faces() + 4 * rank))
     }
 
-    /// The three corners of every face, given the values at the corners of every triangle of the mesh (vertices, points
-    /// or whatever they are numbered by), in the order of the face. `u32::MAX` where there is no such triangle. O(n).
+    /// Returns the three corners of every face, in the face's order. `triangles` has a value for each corner of each triangle
+    /// of the mesh: a vertex, point or other number. `u32::MAX` where the triangle is missing. O(n).
     pub fn corners(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         let of_leaf = |leaf: u32| {
             let turn = leaf % 3;
@@ -123,7 +123,7 @@ impl Quadrisection {
         corners
     }
 
-    /// The faces of the surface with no more than so many levels: those of that level, and the leaves above it. O(n).
+    /// Iterates over the faces of the surface cut off at `level`: faces of `level`, and leaves of coarser levels. O(n).
     pub fn faces_at(&self, level: usize) -> impl Iterator<Item = usize> {
         let last = self.level(level);
         (0..last.end).filter(move |&face| face >= last.start || !self.split[face])

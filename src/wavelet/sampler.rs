@@ -1,4 +1,4 @@
-//! Points of the full resolution by their place on the base: down the levels, then within a triangle.
+//! Samples the full resolution at places on the base: descends the levels, then interpolates in a triangle.
 
 use glam::DVec3;
 
@@ -12,25 +12,28 @@ use super::{Subdivision, WaveletMesh};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SurfacePoint {
-    /// Where it is on the base.
+    /// Place on the base.
     pub domain: DomainPoint,
-    /// Where it is, object units.
+    /// Position, object units.
     pub position: [f32; 3],
-    /// Unit normal: between those of the vertices where the mesh has normals, else the triangle's; zero where that has no area.
+    /// Unit normal: interpolated from the vertices where the mesh has normals, else the triangle's; zero for a triangle without
+    /// area.
     pub normal: [f32; 3],
 }
 
-/// Finds points of the full resolution: [`WaveletMesh::sampler`].
+/// Finds points of the full resolution; made by [`WaveletMesh::sampler`].
 #[derive(Debug, Clone)]
 pub struct SurfaceSampler<'a> {
     mesh: &'a WaveletMesh,
     normals: Option<&'a [f32]>,
-    /// Triangles of faces that are not split and not alone, by face, with the coordinates of their corners in the face.
+    /// Triangles of unsplit faces cut into several triangles, by face, with the barycentric coordinates of their corners in the
+    /// face.
     cut: Vec<(u32, [u32; 3], [[f64; 3]; 3])>,
 }
 
 impl WaveletMesh {
-    /// Finds points of the full resolution by their place on the base. O(1) where all base faces are split equally deep, else O(n).
+    /// Makes a sampler, which finds points of the full resolution by their place on the base. O(1) where all base faces are
+    /// split equally deep, else O(n).
     pub fn sampler(&self) -> SurfaceSampler<'_> {
         let of = self.subdivision();
         let mut cut = Vec::new();
@@ -49,7 +52,7 @@ impl WaveletMesh {
     }
 }
 
-/// Where a vertex at a corner or on a side of a face is in it.
+/// Returns the barycentric coordinates, in a face, of a vertex at a corner or on a side of the face.
 fn within(of: &Subdivision, face: u32, vertex: u32) -> [f64; 3] {
     let side = of.wavelet_of(vertex).and_then(|wavelet| {
         let mut sides = of.faces_along(wavelet).filter(|side| side.face() == face);
@@ -72,8 +75,8 @@ fn within(of: &Subdivision, face: u32, vertex: u32) -> [f64; 3] {
 }
 
 impl SurfaceSampler<'_> {
-    /// The point at a place; `None` where there is no such base face or a weight is not finite. Weights are brought to sum to 1, and
-    /// are not less than 0. O(level).
+    /// Returns the point at a place. `None` if the base face is missing, a coordinate is not finite, or no coordinate is above
+    /// 0. Negative coordinates are set to 0, then all are scaled to sum to 1. O(level).
     pub fn at(&self, domain: &DomainPoint) -> Option<SurfacePoint> {
         let of = self.mesh.subdivision();
         let mut weights = domain.barycentric.map(|weight| weight.max(0.0));
@@ -129,7 +132,8 @@ fn mix(values: &[DVec3; 3], weights: [f64; 3]) -> DVec3 {
     (0..3).map(|k| values[k] * weights[k]).sum()
 }
 
-/// Weights of a triangle's corners at a point, both by their weights in another; `None` where the triangle has no area.
+/// Returns the barycentric coordinates of a point in a triangle; both are given in the coordinates of another triangle. `None`
+/// for a triangle without area.
 fn weights_in(corners: &[[f64; 3]; 3], point: [f64; 3]) -> Option<[f64; 3]> {
     let [a, b, c] = corners.map(DVec3::from_array);
     let p = DVec3::from_array(point);

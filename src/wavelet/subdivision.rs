@@ -1,4 +1,4 @@
-//! Which face is split into which, which edges carry a wavelet, and who is whose parent.
+//! Connectivity of a subdivision: split faces, edges with a wavelet, parents and children.
 //!
 //! ```text
 //!                c2                     side k runs from corner k to corner k + 1, m_k is its midpoint
@@ -11,19 +11,19 @@
 //!                 m0
 //! ```
 //!
-//! Faces are numbered level by level, four children in a row; wavelets level by level, in the order of faces. So most of
-//! the dependency graph (Azuma et al., section 3.4) is arithmetic: stored are the wavelets on the sides of every split face, and the
-//! faces along every wavelet's edge.
+//! Faces are numbered level by level, four children in a row; wavelets level by level, in the order of faces. So most of the
+//! dependency graph (Azuma et al., section 3.4) is arithmetic. Stored are only the wavelets on the sides of every split face,
+//! and the faces along every wavelet's edge.
 
 use crate::mesh::NONE;
 
-/// Most faces of all levels: a face, its side and a direction fit 31 bits.
+/// Most faces of all levels together: a face, a side and a direction fit 31 bits.
 pub(super) const MOST_FACES: usize = 1 << 28;
-/// Most levels: places on the base are exact in double precision, and nothing that goes along levels takes long.
+/// Most levels: barycentric coordinates stay exact in double precision, and loops along levels stay short.
 pub(super) const MOST_LEVELS: usize = 52;
-/// Most faces along one edge.
+/// Most faces along an edge.
 pub(super) const MOST_ALONG: usize = 250;
-/// Marks a side at whose midpoint children have other vertices than the wavelet's own: it lies on a seam.
+/// Marks a side whose midpoint lies on a seam: its children there have other vertices than the wavelet's own.
 const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
@@ -51,76 +51,79 @@ impl Side {
 }
 
 /// The connectivity of a mesh made by splitting triangles in four: base faces, splits and wavelets. Base faces may form any
-/// complex: open, non-manifold, pinched, of several components; neighbours may be split to different depths.
+/// complex: open, non-manifold, pinched, of several components. Neighbours may be split to different depths.
 ///
-/// Memory: 8 bytes a wavelet and 12 a split face where all are split alike; 4 a split face and 3 bits a face more where not.
+/// Memory: 8 bytes a wavelet and 12 a split face where all faces are split equally deep; otherwise 4 bytes a split face and at
+/// most 1.5 bits a face more.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Subdivision {
     /// Vertices at the corners of every base face.
     pub(super) base: Vec<[u32; 3]>,
     /// Wavelets on the sides of every base face, or `NONE`.
     pub(super) base_sides: Vec<[u32; 3]>,
-    /// Vertices of the base faces; more than points where the base has seams.
+    /// Number of vertices of the base faces; larger than the number of points where the base has seams.
     pub(super) base_vertices: u32,
-    /// Start of every level's faces, and their end.
+    /// Start of every level's faces, and the end of the last level.
     pub(super) face_levels: Vec<u32>,
-    /// Start of every level's wavelets, and their end; those of the first level lie on base edges.
+    /// Start of every level's wavelets, and the end of the last level. Wavelets of the first level lie on base edges.
     pub(super) levels: Vec<u32>,
-    /// Split faces in order; empty where they are the first faces.
+    /// Split faces in order; empty where they are faces `0..split_count`.
     pub(super) split_faces: Vec<u32>,
     pub(super) split_count: u32,
-    /// One bit a face, and the number of split faces before each word; empty where the split faces are the first ones.
+    /// Per face a bit, set where split; `before`: split faces before each word. Both empty where faces `0..split_count` are
+    /// split.
     pub(super) split: Vec<u64>,
     pub(super) before: Vec<u32>,
-    /// Wavelets on the sides of every split face.
+    /// Wavelets on the sides of every split face, possibly marked by [`SEAM`].
     pub(super) sides: Vec<[u32; 3]>,
-    /// Two faces along every wavelet's edge, the first of its own level; the second may be missing, or be a coarser face
-    /// that is not split and has the edge as a part of its side.
+    /// Two faces along every wavelet's edge, the first of the wavelet's own level. The second may be missing, or be a coarser
+    /// unsplit face with the edge as a part of its side.
     pub(super) along: Vec<[Side; 2]>,
-    /// Further faces: wavelet and side, ascending.
+    /// Third and further faces along wavelets' edges: wavelet and side, ascending.
     pub(super) more: Vec<(u32, Side)>,
-    /// Corners of children (`4 * face + corner`) at midpoints on seams and the vertices there, where these are not the
-    /// wavelets' own; ascending.
+    /// Corners of children (`4 * face + corner`) at midpoints on seams, each with its vertex, where the vertex differs from the
+    /// wavelet's own; ascending.
     pub(super) seams: Vec<(u32, u32)>,
-    /// Wavelets at whose midpoints children of one face have several vertices: a seam runs inside it. Ascending.
+    /// Wavelets with a seam inside a face: at the midpoint, children of the same face have several vertices. Ascending.
     pub(super) interior_seams: Vec<u32>,
-    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side that each is at; ascending. Where that
-    /// is the side of a face that is not split, the vertex is at no other.
+    /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side at which the vertex is; ascending.
+    /// If the side belongs to an unsplit face, the vertex is at no other side.
     pub(super) seam_vertices: Vec<(u32, Side)>,
 }
 
 impl Subdivision {
-    /// Base faces.
+    /// Number of base faces.
     pub fn base_face_count(&self) -> usize {
         self.base.len()
     }
 
-    /// Vertices at the corners of the base faces: the first ones.
+    /// Number of base vertices, which are vertices `0..base_vertex_count`.
     pub fn base_vertex_count(&self) -> usize {
         self.base_vertices as usize
     }
 
-    /// Wavelets: edges with a vertex of their own.
+    /// Number of wavelets: edges with a vertex of their own.
     pub fn wavelet_count(&self) -> usize {
         self.along.len()
     }
 
-    /// All vertices: those of the base, one for each wavelet, and the further ones of wavelets on seams.
+    /// Number of all vertices: base vertices, the vertex of each wavelet, and further vertices of wavelets on seams.
     pub fn vertex_count(&self) -> usize {
         self.base_vertex_count() + self.along.len() + self.seam_vertices.len()
     }
 
-    /// Faces of all levels.
+    /// Number of faces of all levels.
     pub fn face_count(&self) -> usize {
         self.face_levels.last().map_or(0, |&end| end as usize)
     }
 
-    /// Faces that are not split: triangles at full resolution, but for cuts where neighbours are split deeper.
+    /// Number of unsplit faces: triangles at full resolution, except where a face is cut because its neighbours are split
+    /// deeper.
     pub fn leaf_count(&self) -> usize {
         self.face_count() - self.split_count as usize
     }
 
-    /// Triangles at full resolution: one more for every face along the edge of a wavelet. O(wavelets).
+    /// Number of triangles at full resolution: base faces + faces along the edge of each wavelet, summed. O(wavelets).
     pub fn triangle_count(&self) -> usize {
         let second = self.along.iter().filter(|along| along[1] != Side::NONE).count();
         self.base.len() + self.along.len() + second + self.more.len()
@@ -131,12 +134,12 @@ impl Subdivision {
         self.levels.len().saturating_sub(1)
     }
 
-    /// Corners of a base face as vertices; `None` out of range.
+    /// Vertices at the corners of a base face; `None` out of range.
     pub fn base_face(&self, face: u32) -> Option<[u32; 3]> {
         self.base.get(face as usize).copied()
     }
 
-    /// The wavelets of a level, 1 to [`depth`](Self::depth), by number; empty for any other.
+    /// Wavelets of a level, 1 to [`depth`](Self::depth), by number; empty for any other level.
     pub fn wavelets_of(&self, level: usize) -> std::ops::Range<u32> {
         match level.checked_sub(1).and_then(|l| self.levels.get(l..l + 2)) {
             Some(&[start, end]) => start..end,
@@ -144,7 +147,7 @@ impl Subdivision {
         }
     }
 
-    /// The faces of a level, 0 to [`depth`](Self::depth), by number; empty for any other.
+    /// Faces of a level, 0 to [`depth`](Self::depth), by number; empty for any other level.
     pub fn faces_of(&self, level: usize) -> std::ops::Range<u32> {
         match self.face_levels.get(level..level + 2) {
             Some(&[start, end]) => start..end,
@@ -177,7 +180,7 @@ impl Subdivision {
         }
     }
 
-    /// How many split faces come before a split face.
+    /// Returns the number of split faces before a split face.
     #[inline]
     pub(super) fn rank(&self, face: u32) -> usize {
         if self.split.is_empty() {
@@ -188,13 +191,13 @@ impl Subdivision {
         (self.before[word] + lower.count_ones()) as usize
     }
 
-    /// A child of a split face.
+    /// Returns child 0 to 3 of a split face.
     #[inline]
     pub(super) fn child(&self, face: u32, child: usize) -> u32 {
         (self.base.len() + 4 * self.rank(face) + child) as u32
     }
 
-    /// The split face that a face is a child of, the number of that in its row, and the child's number; `None` for base faces.
+    /// Returns the parent of a face, the parent's rank among split faces, and which child the face is; `None` for base faces.
     #[inline]
     pub(super) fn parent(&self, face: u32) -> Option<(u32, usize, usize)> {
         let at = (face as usize).checked_sub(self.base.len())?;
@@ -203,7 +206,7 @@ impl Subdivision {
         Some((parent, rank, at % 4))
     }
 
-    /// The base face that a face is a part of. O(level).
+    /// Returns the base face containing a face. O(level).
     pub fn base_face_of(&self, mut face: u32) -> u32 {
         while let Some((parent, ..)) = self.parent(face) {
             face = parent;
@@ -211,7 +214,7 @@ impl Subdivision {
         face
     }
 
-    /// The vertex at a corner of a face. O(1) on average, O(level) at most.
+    /// Returns the vertex at a corner of a face. O(1) on average, O(level) at most.
     #[inline]
     pub(super) fn corner(&self, mut face: u32, mut corner: usize) -> u32 {
         loop {
@@ -245,8 +248,8 @@ impl Subdivision {
         at.ok().map(|at| self.seams[at].1)
     }
 
-    /// The vertices that a wavelet's midpoint is on a side of a face along its edge, as seen from its first half and from its
-    /// second: one, but where a seam runs inside the face.
+    /// Returns the vertices of a wavelet's midpoint at a side of a face along its edge, as used by the first half of the side
+    /// and by the second. The two are equal, unless a seam runs inside the face.
     #[inline]
     pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
         let own = self.base_vertices + wavelet;
@@ -264,38 +267,39 @@ impl Subdivision {
         [self.seam_vertices_of(wavelet).find(is_at).unwrap_or(own); 2]
     }
 
-    /// The wavelet on a side of a split face.
+    /// Returns the wavelet on a side of a split face.
     #[inline]
     pub(super) fn side_of_split(&self, face: u32, side: usize) -> u32 {
         self.sides[self.rank(face)][side] & !SEAM
     }
 
-    /// Wavelets on the sides of a split face.
+    /// Returns the wavelets on the sides of a split face.
     #[inline]
     pub(super) fn sides_of_split(&self, face: u32) -> [u32; 3] {
         self.sides[self.rank(face)].map(|wavelet| wavelet & !SEAM)
     }
 
-    /// The same of any face, or none.
+    /// Iterates over the wavelets on the sides of a split face if `yes`, otherwise over nothing; then the face need not be
+    /// split.
     #[inline]
     pub(super) fn sides_of_split_if(&self, face: u32, yes: bool) -> impl Iterator<Item = u32> + use<> {
         let sides = if yes { self.sides_of_split(face) } else { [NONE; 3] };
         sides.into_iter().filter(move |_| yes)
     }
 
-    /// Notes that a side's midpoint is not the wavelet's own vertex for all children.
+    /// Marks a side as on a seam: not all children use the wavelet's own vertex at its midpoint.
     pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
     }
 
-    /// Lets all sides' midpoints be their wavelets' own vertices.
+    /// Removes all seams: every child uses the wavelet's own vertex at a midpoint.
     pub(super) fn forget_seams(&mut self) {
         (self.seams, self.interior_seams, self.seam_vertices) = (Vec::new(), Vec::new(), Vec::new());
         self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
 
-    /// The wavelet on an edge inside a split face, from `m_i` to `m_(i+1)`, or `NONE`.
+    /// Returns the wavelet on an edge inside a split face, from `m_i` to `m_(i+1)`, or `NONE`.
     #[inline]
     fn inner(&self, face: u32, edge: usize) -> u32 {
         let [centre, corner] = [3, (edge + 1) % 3].map(|child| self.child(face, child));
@@ -308,7 +312,7 @@ impl Subdivision {
         }
     }
 
-    /// The wavelet on any side of a face, or `NONE`; and whether the side runs against its direction.
+    /// Returns the wavelet on a side of any face, or `NONE`; and whether the side runs against the wavelet's direction.
     pub(super) fn side(&self, face: u32, side: usize) -> (u32, bool) {
         let wavelet = self.side_wavelet(face, side);
         if wavelet == NONE {
@@ -333,13 +337,13 @@ impl Subdivision {
         }
     }
 
-    /// The first or second half of a side of a split face.
+    /// Returns the wavelet on the first or second half of a side of a split face.
     fn half_of_side(&self, face: u32, side: usize, half: usize) -> u32 {
         let (wavelet, against) = self.side(face, side);
         self.halves(wavelet)[half ^ usize::from(against)]
     }
 
-    /// All faces along a wavelet's edge, coarser ones that are not split among them.
+    /// Iterates over all faces along a wavelet's edge, including coarser unsplit faces.
     #[inline]
     pub(super) fn faces_along(&self, wavelet: u32) -> impl Iterator<Item = Side> + '_ {
         let [a, b] = self.along[wavelet as usize];
@@ -355,14 +359,14 @@ impl Subdivision {
         &self.more[start..start + count]
     }
 
-    /// How many faces lie along a wavelet's edge: triangles that its vertex adds.
+    /// Returns the number of faces along a wavelet's edge, which is the number of triangles added by its vertex.
     #[inline]
     pub(super) fn width(&self, wavelet: u32) -> usize {
         let two = if self.along[wavelet as usize][1] == Side::NONE { 1 } else { 2 };
         if self.more.is_empty() { two } else { two + self.more_along(wavelet).len() }
     }
 
-    /// The wavelets on the two halves of a wavelet's edge, in its direction; `NONE` where there is none.
+    /// Returns the wavelets on the two halves of a wavelet's edge, in its direction; `NONE` where there is none.
     pub(super) fn halves(&self, wavelet: u32) -> [u32; 2] {
         let mut halves = [NONE; 2];
         for along in self.faces_along(wavelet) {
@@ -383,8 +387,8 @@ impl Subdivision {
         halves
     }
 
-    /// The wavelets on the edges of the next level that meet in a wavelet's vertex, and whether each starts there: its
-    /// children. Six inside a surface.
+    /// Iterates over the children of a wavelet: wavelets on the edges of the next level meeting in its vertex, each with
+    /// whether its edge starts there. Six inside a surface.
     #[inline]
     pub(super) fn incident_edges(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
         let [first, second] = self.halves(wavelet);
@@ -397,7 +401,7 @@ impl Subdivision {
         halves.into_iter().chain(inner).filter(|incident| incident.0 != NONE)
     }
 
-    /// The wavelets that a wavelet is a child of: up to two.
+    /// Iterates over the parents of a wavelet: up to two.
     #[inline]
     pub(super) fn parents_of(&self, wavelet: u32) -> impl Iterator<Item = u32> + use<> {
         let along = self.along[wavelet as usize][0];
@@ -414,8 +418,7 @@ impl Subdivision {
         [first, second].into_iter().filter(|&parent| parent != NONE)
     }
 
-    /// The vertices at the ends of the edge that a vertex is the midpoint of; `None` for vertices of the base and out of
-    /// range. O(1) on average.
+    /// Returns the ends of the edge whose midpoint a vertex is; `None` for base vertices and out of range. O(1) on average.
     pub fn ends(&self, vertex: u32) -> Option<[u32; 2]> {
         let at = vertex.checked_sub(self.base_vertices)? as usize;
         match self.along.get(at) {
@@ -427,7 +430,7 @@ impl Subdivision {
         }
     }
 
-    /// The ends of a wavelet's edge as seen from a side that it is on, which may reach farther. O(level).
+    /// Returns the ends of a wavelet's edge as vertices of the face at `side`. The side may be longer than the edge. O(level).
     fn ends_beside(&self, wavelet: u32, side: Side) -> [u32; 2] {
         let mut ends = [NONE; 2];
         for (whole, half) in self.parent_edges(wavelet, side.face()) {
@@ -443,8 +446,9 @@ impl Subdivision {
         [0, 1].map(|end| if ends[end] == NONE { far[end] } else { ends[end] })
     }
 
-    /// The wavelets whose edges a wavelet's is a part of, from the next coarser one on, each with the half that the one before
-    /// it is; down to the level that a face is split to, or would be. Edges of one direction all.
+    /// Iterates over the wavelets of coarser edges containing a wavelet's edge, finest first. Each comes with the half (0 or 1)
+    /// containing the edge before it. Ends at the level of the wavelets of `face` if it is, or were, split. All edges have the
+    /// same direction.
     pub(super) fn parent_edges(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
         let start = self.face_levels[self.level_of_face(face) + 1];
         let mut along = self.along[wavelet as usize][0];
@@ -464,19 +468,19 @@ impl Subdivision {
         })
     }
 
-    /// The vertices at the ends of a side, in the direction of the edge.
+    /// Returns the vertices at the ends of a side, in the direction of the edge.
     #[inline]
     pub(super) fn side_ends(&self, along: Side) -> [u32; 2] {
         let [a, b] = [along.side(), (along.side() + 1) % 3].map(|corner| self.corner(along.face(), corner));
         if along.against() { [b, a] } else { [a, b] }
     }
 
-    /// The vertex of a wavelet; on a seam there are [others](Self::seam_vertices_of) too.
+    /// Returns a wavelet's own vertex; on a seam there are [others](Self::seam_vertices_of) too.
     pub fn vertex_of(&self, wavelet: u32) -> u32 {
         self.base_vertices + wavelet
     }
 
-    /// The wavelet that a vertex belongs to; `None` for vertices of the base and out of range.
+    /// Returns the wavelet of a vertex; `None` for base vertices and out of range.
     pub fn wavelet_of(&self, vertex: u32) -> Option<u32> {
         let at = vertex.checked_sub(self.base_vertices)?;
         if (at as usize) < self.along.len() {
@@ -485,7 +489,7 @@ impl Subdivision {
         self.seam_vertices.get(at as usize - self.along.len()).map(|double| double.0)
     }
 
-    /// Further vertices of a wavelet on a seam.
+    /// Further vertices of a wavelet on a seam, by number.
     pub fn seam_vertices_of(&self, wavelet: u32) -> std::ops::Range<u32> {
         let first = self.base_vertices + self.along.len() as u32;
         let start = self.seam_vertices.partition_point(|double| double.0 < wavelet);

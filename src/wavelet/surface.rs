@@ -1,4 +1,4 @@
-//! The triangles of a set of wavelets: dense, and written anew only where something changed.
+//! The triangles of a set of wavelets: stored densely, rewritten only after changes.
 //!
 //! ```text
 //!           /\                 a face that is drawn is cut wherever a vertex in use lies on its sides:
@@ -8,8 +8,8 @@
 //!       /__/___|
 //! ```
 //!
-//! What is drawn of a face depends on nothing but what is split and which vertices are in use: the same set gives the same
-//! triangles, whatever came before; their order in the buffer may differ.
+//! The triangles of a face depend only on the split faces and the vertices in use. Equal sets give equal triangles, independent
+//! of earlier sets; only the order in the buffer may differ.
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::mesh::NONE;
@@ -18,18 +18,18 @@ use super::Triangulation;
 use super::subdivision::Subdivision;
 use super::use_counts::{UseCounts, UseSink};
 
-/// A side of what is left of a face: the wavelet on it, and where that is.
+/// A side of a part of a face: the wavelet on it, and where the side is.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     wavelet: u32,
     against: bool,
-    /// The face and side that it is, or that it is a part of where the face is not split; `NONE` inside the face.
+    /// The face and side containing this edge. For a split face, the edge is the whole side. `NONE` inside the face.
     face: u32,
     side: usize,
 }
 
 impl Edge {
-    /// One that nothing lies on.
+    /// An edge without wavelets.
     const BARE: Self = Self { wavelet: NONE, against: false, face: NONE, side: 0 };
 
     fn new(of: &Subdivision, face: u32, side: usize) -> Self {
@@ -38,10 +38,10 @@ impl Edge {
     }
 }
 
-/// Polygons that are yet to be cut, each a triangle with what lies on its sides.
+/// Polygons still to be cut, each a triangle with the wavelets on its sides.
 type Stack = Vec<([u32; 3], [Edge; 3])>;
 
-/// A triangle in the buffer: whose it is, and the others of the same face.
+/// Per triangle in the buffer: its face, and its neighbours in the list of the face's triangles.
 #[derive(Debug, Clone, Copy)]
 struct Link {
     face: u32,
@@ -56,7 +56,7 @@ struct Group {
     dirty: Dirty,
 }
 
-/// What changed since the triangles were last written.
+/// Changes since the triangles were last written.
 #[derive(Debug, Clone)]
 struct Changes {
     faces: Vec<u32>,
@@ -95,7 +95,7 @@ pub(super) struct WaveletSurface {
     uses: UseCounts,
     /// Per face its first triangle, or `NONE`.
     first: Vec<u32>,
-    /// One per material.
+    /// A group per material.
     groups: Vec<Group>,
     changes: Changes,
     stack: Stack,
@@ -103,7 +103,7 @@ pub(super) struct WaveletSurface {
 }
 
 impl WaveletSurface {
-    /// The base mesh.
+    /// Makes the surface of the base mesh.
     pub fn new(of: &Subdivision, triangulation: Triangulation, groups: usize) -> Self {
         let mut surface = Self {
             uses: UseCounts::new(of, triangulation),
@@ -126,20 +126,21 @@ impl WaveletSurface {
         &self.uses
     }
 
-    /// Takes in that a wavelet comes into the set or goes; drawn with [`WaveletSurface::write`].
+    /// Adds a wavelet to the set or removes it; drawn by [`WaveletSurface::write`].
     pub fn change(&mut self, of: &Subdivision, wavelet: u32, comes: bool) {
-        // Its vertex is elsewhere now even if it stays in use.
+        // The wavelet's vertex moves even if it stays in use.
         self.changes.wavelet(wavelet);
         self.uses.change(of, wavelet, comes, &mut self.changes);
     }
 
-    /// The wavelets whose vertices came into use or went since the last [`WaveletSurface::write`], or that came into the set or went;
-    /// and others too.
+    /// Returns a superset of the wavelets changed since the last [`WaveletSurface::write`]: added to the set or removed, or
+    /// with a vertex added to use or removed.
     pub fn changed(&self) -> &[u32] {
         &self.changes.wavelets
     }
 
-    /// Draws what has changed. `vertex` renames vertices, `group` tells the group of a base face. O(what changed).
+    /// Rewrites the triangles of changed faces. `vertex` renames vertices; `group` returns the group of a base face.
+    /// O(changes).
     pub fn write(&mut self, of: &Subdivision, vertex: impl Fn(u32) -> u32, group: impl Fn(u32) -> usize) {
         for at in 0..self.changes.faces.len() {
             let face = self.changes.faces[at];
@@ -185,7 +186,7 @@ impl WaveletSurface {
         match uses.cut_corner(of, face) {
             None => stack.push((corners, [0, 1, 2].map(|side| edge(face, side)))),
             Some(i) => {
-                // A quadrilateral from m_i to c_(i+1), c_(i+2), m_(i+2).
+                // The quadrilateral m_i, c_(i+1), c_(i+2), m_(i+2).
                 let [j, k] = [(i + 1) % 3, (i + 2) % 3];
                 let at = |side: usize| of.vertices_at(of.side_of_split(face, side), face, side);
                 let (near, far) = (at(i)[1], at(k)[0]);
@@ -200,7 +201,7 @@ impl WaveletSurface {
         cut_all(of, stack, |wavelet| uses.is_used(wavelet), |triangle| cut.push(triangle));
     }
 
-    /// Writes the triangles found in place of those that a face had.
+    /// Replaces the triangles of a face by the triangles found.
     fn replace(&mut self, face: u32, group: usize) {
         let Self { first, groups, cut, .. } = self;
         let group = &mut groups[group];
@@ -217,7 +218,7 @@ impl WaveletSurface {
             at = group.links[at as usize].next;
         }
         while at != NONE {
-            // Its successor may be moved into its place.
+            // The next triangle may be moved into this place.
             let next = group.links[at as usize].next;
             let moved = group.remove(at, first);
             at = if next != NONE && moved == next { at } else { next };
@@ -243,7 +244,7 @@ impl WaveletSurface {
         self.groups.get(group).map_or(&[], |group| &group.triangles)
     }
 
-    /// Per triangle of a group the face that it is a part of.
+    /// Per triangle of a group its face.
     pub fn faces(&self, group: usize) -> impl Iterator<Item = u32> + '_ {
         self.groups.get(group).into_iter().flat_map(|group| group.links.iter().map(|link| link.face))
     }
@@ -261,7 +262,7 @@ impl WaveletSurface {
         self.groups.iter_mut().for_each(|group| group.dirty.clear());
     }
 
-    /// Takes all for written.
+    /// Marks all triangles as changed.
     pub fn invalidate(&mut self) {
         self.groups.iter_mut().for_each(|group| group.dirty.mark_all(group.triangles.len()));
     }
@@ -280,7 +281,8 @@ impl WaveletSurface {
 }
 
 impl Group {
-    /// Takes a triangle out; the last takes its place. Where that was.
+    /// Removes a triangle; the last triangle takes its place. Returns where the last triangle was, or `NONE` if the last was
+    /// removed.
     fn remove(&mut self, at: u32, first: &mut [u32]) -> u32 {
         let Link { face, next, previous } = self.links[at as usize];
         match previous {
@@ -331,14 +333,14 @@ fn cut_all(
     }
 }
 
-/// The triangles of a face that is not split at full resolution: more than one where neighbours are split deeper. In an order
-/// that does not depend on how vertices are numbered.
+/// Visits the triangles of an unsplit face at full resolution: several where neighbours are split deeper. The order does not
+/// depend on the numbering of vertices.
 pub(super) fn finest_triangles(of: &Subdivision, face: u32, visit: impl FnMut([u32; 3])) {
     let mut stack = vec![(of.corners(face), [0, 1, 2].map(|side| Edge::new(of, face, side)))];
     cut_all(of, &mut stack, |_| true, visit);
 }
 
-/// The two halves of a side, in its own direction.
+/// Returns the halves of a side, in the side's direction.
 fn halves(of: &Subdivision, edge: &Edge) -> [Edge; 2] {
     if of.is_split(edge.face) {
         return [(edge.side, 0), ((edge.side + 1) % 3, 2)]

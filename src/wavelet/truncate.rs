@@ -1,6 +1,7 @@
-//! The wavelets that change most, as many as fit.
+//! Truncation: the wavelets with the largest errors, as many as fit.
 //!
-//! Bounds hold those of children, so in the order of the longest error, then of levels, every beginning is closed.
+//! Bounds contain the children's bounds. So, ordered by decreasing error and then by level, every prefix is closed under
+//! parents.
 
 use crate::adapt::Refinements;
 
@@ -8,22 +9,23 @@ use super::use_counts::{UseCounts, UseSink};
 use super::{Subdivision, Triangulation, WaveletMesh};
 
 impl WaveletMesh {
-    /// The set of the wavelets with the largest bounds that is drawn with at most so many triangles, as one flag a wavelet: none
-    /// where not even the base mesh is. O(n log n).
+    /// Returns the set of wavelets with the largest bounds drawn with at most `triangles` triangles, as a flag a wavelet. Empty
+    /// set if even the base mesh has more. O(n log n).
     pub fn largest_within(&self, triangles: usize, triangulation: Triangulation) -> Vec<bool> {
         self.largest_while(triangulation, |drawn, _| drawn <= triangles)
     }
 
-    /// The same with at most so many vertices.
+    /// Returns the set of wavelets with the largest bounds drawn with at most `vertices` vertices, as a flag a wavelet. Empty
+    /// set if even the base mesh has more. O(n log n).
     pub fn largest_within_vertices(&self, vertices: usize, triangulation: Triangulation) -> Vec<bool> {
         self.largest_while(triangulation, |_, used| used <= vertices)
     }
 
-    /// The set of the wavelets with the largest bounds, as long as the numbers of triangles and vertices drawn fit.
+    /// Returns the set of wavelets with the largest bounds, as long as the numbers of triangles and vertices drawn fit.
     fn largest_while(&self, triangulation: Triangulation, fits: impl Fn(usize, usize) -> bool) -> Vec<bool> {
         let of = self.subdivision();
         let count = of.wavelet_count() as u32;
-        // No smaller than that of any child, whatever was rounded.
+        // No smaller than any child's error, despite rounding.
         let mut size: Vec<f32> = (0..count).map(|wavelet| self.bounds(wavelet).largest_error()).collect();
         for wavelet in (0..count).rev() {
             let own = size[wavelet as usize];
@@ -49,8 +51,8 @@ impl WaveletMesh {
         set
     }
 
-    /// The longest error of the wavelets that are not in a set, object units: what the mesh of the set is away from the full
-    /// resolution at most, where bounds are [conservative](super::ErrorBound::Conservative) and triangles
+    /// Returns the longest error of the wavelets outside a set, object units. It bounds the distance of the set's mesh from the
+    /// full resolution if bounds are [conservative](super::ErrorBound::Conservative) and triangles
     /// [exact](Triangulation::Exact). O(n).
     pub fn largest_left_out(&self, holds: impl Fn(u32) -> bool) -> f32 {
         let left_out = (0..self.subdivision().wavelet_count() as u32).filter(|&wavelet| !holds(wavelet));
@@ -58,7 +60,7 @@ impl WaveletMesh {
     }
 }
 
-/// Counts vertices that come into use.
+/// Counts vertices in use.
 struct Used<'a> {
     of: &'a Subdivision,
     vertices: usize,

@@ -1,31 +1,31 @@
-//! Which faces are split and which vertices are in use, for a set of wavelets: counts, kept up to date.
+//! Counts of split faces and vertices in use, kept up to date for a set of wavelets.
 //!
 //! ```text
 //!     exact     a face is split if any of its sides carries a wavelet of the set: the sum of hats, as it is
 //!     minimal   only if all do; with two, the corner between them is cut off: no vertex but those of the set
 //! ```
 //!
-//! Every vertex in use adds one triangle for each face along its edge, whatever the triangulation: a split face has one
-//! more, and so has a face that is cut because its neighbour is split. So the number of triangles is a sum over vertices.
+//! Every vertex in use adds a triangle for each face along its edge, for either triangulation: a split face gains a triangle,
+//! and so does a face cut because its neighbour is split. So the number of triangles is a sum over vertices.
 
 use super::Triangulation;
 use super::subdivision::Subdivision;
 
-/// Counts of a set of wavelets that is closed under parents.
+/// Counts of a set of wavelets closed under parents.
 #[derive(Debug, Clone)]
 pub(super) struct UseCounts {
     exact: bool,
-    /// Per split face its sides with a wavelet of the set.
+    /// Per split face the number of its sides with a wavelet of the set.
     set: Vec<u8>,
-    /// Per wavelet the split faces along its edge, and one if it is in the set.
+    /// Per wavelet: 1 if it is in the set, plus (exact only) the number of faces along its edge split by the set.
     users: Vec<u8>,
 }
 
-/// What a change of the set led to.
+/// Receives the effects of changing the set.
 pub(super) trait UseSink {
-    /// The vertex of a wavelet came into use, or went out of it.
+    /// Called when a wavelet's vertex comes into use or goes out of use.
     fn used(&mut self, wavelet: u32);
-    /// A face was split or joined, or lost or got a corner.
+    /// Called when a face is split or joined, or loses or regains a corner.
     fn turned(&mut self, face: u32);
 }
 
@@ -35,7 +35,7 @@ impl UseSink for () {
 }
 
 impl UseCounts {
-    /// The empty set.
+    /// Makes the counts of the empty set.
     pub fn new(subdivision: &Subdivision, triangulation: Triangulation) -> Self {
         Self {
             exact: triangulation == Triangulation::Exact,
@@ -50,7 +50,7 @@ impl UseCounts {
         self.users[wavelet as usize] > 0
     }
 
-    /// Sides that split a face.
+    /// Number of sides needed to split a face.
     #[inline]
     fn needed(&self) -> u8 {
         if self.exact { 1 } else { 3 }
@@ -62,7 +62,7 @@ impl UseCounts {
         self.set[face as usize] >= self.needed() && of.is_split(face)
     }
 
-    /// The corner of a face that is drawn by itself, beside a quadrilateral.
+    /// The corner of a face drawn as a triangle beside a quadrilateral.
     #[inline]
     pub fn cut_corner(&self, of: &Subdivision, face: u32) -> Option<usize> {
         if self.exact || self.set[face as usize] != 2 || !of.is_split(face) {
@@ -83,7 +83,7 @@ impl UseCounts {
         }
     }
 
-    /// Takes in that a wavelet comes into the set or goes. By how many triangles that changes what is drawn.
+    /// Adds a wavelet to the set or removes it. Returns the number of triangles added or removed.
     pub fn change(&mut self, of: &Subdivision, wavelet: u32, comes: bool, sink: &mut impl UseSink) -> usize {
         let mut triangles = 0;
         if !comes {
@@ -136,12 +136,12 @@ impl UseCounts {
         of.width(wavelet)
     }
 
-    /// How many triangles a change of the set would bring, or take away.
+    /// Returns the number of triangles [`UseCounts::change`] would add or remove.
     pub fn cost(&self, of: &Subdivision, wavelet: u32, comes: bool) -> usize {
         if !self.exact {
             return of.width(wavelet);
         }
-        // Changes to users of few wavelets: its own, and those on the sides of faces that are split or joined.
+        // Changes to the users of few wavelets: this wavelet, and the sides of faces split or joined.
         const MOST: usize = 8;
         let mut changes = [(wavelet, 1_u8); MOST];
         let mut count = 1;
@@ -156,7 +156,7 @@ impl UseCounts {
                         changes[count] = (side, 1);
                         count += 1;
                     }
-                    // Along non-manifold edges: each by itself.
+                    // Along non-manifold edges: each side by itself.
                     None => {
                         more += usize::from(self.users[side as usize] == u8::from(!comes)) * of.width(side)
                     }

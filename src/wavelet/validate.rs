@@ -1,4 +1,4 @@
-//! Every promise of a wavelet mesh, checked: after these nothing that is done with it can panic, run on, or take more memory than
+//! Checks every invariant of a wavelet mesh. On a checked mesh, no operation can panic, run forever, or take more memory than
 //! goes with its arrays.
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //!     values                                     as many as they should be; bounds nested
 //! ```
 //!
-//! What is grown is right by construction, so only what goes in needs a look. That bounds are as large as they have to be is not
-//! checked; they hold each other, so a cut is closed.
+//! Grown structures are right by construction, so only the input is checked. Bounds are not checked to be large enough, but are
+//! checked to be nested, so a cut is closed.
 
 use crate::adapt::Refinements;
 use crate::mesh::NONE;
@@ -20,7 +20,7 @@ use super::parts::{beside as beside_of, seams, sides, split};
 use super::subdivision::{MOST_ALONG, MOST_FACES};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
-/// What a subdivision grows from, as [`WaveletParts`] has it.
+/// Input for growing a subdivision, as in [`WaveletParts`].
 struct Seeds<'a> {
     base: &'a [[u32; 3]],
     base_vertices: u32,
@@ -28,12 +28,12 @@ struct Seeds<'a> {
     split: &'a [u64],
     seams: &'a [[u32; 2]],
     beside: &'a [[u32; 3]],
-    /// How many there are in all.
+    /// Number of all vertices.
     vertices: usize,
 }
 
 impl WaveletParts {
-    /// The connectivity, where it is one that fits the number of vertices.
+    /// Grows the connectivity; fails if the parts are broken or do not fit the number of vertices.
     pub(super) fn grow(&self) -> Result<Subdivision, WaveletError> {
         let Self { base, base_vertices, sides, split, seams, beside, vertices, .. } = self;
         let vertices = vertices.positions().len();
@@ -51,7 +51,7 @@ impl Seeds<'_> {
             if splits == 0 {
                 break;
             }
-            // Below the base every face has an edge inside its parent, which one more is at.
+            // Below the base, every face has an edge inside its parent, shared with at most 1 other face.
             let room = self.vertices - self.base_vertices as usize;
             if of.depth() > 0 && splits.div_ceil(2) > room.saturating_sub(of.wavelet_count()) {
                 return broken("more faces are split than there are vertices for, of level", of.depth());
@@ -99,7 +99,7 @@ impl Seeds<'_> {
         self.split.get(face as usize / 64).is_some_and(|word| word >> (face % 64) & 1 == 1)
     }
 
-    /// The base, with the wavelet on a side as the number of its edge.
+    /// Starts from the base faces, with the wavelet on a side as the number of its edge.
     fn base_faces(&self) -> Result<SubdivisionBuilder, WaveletError> {
         let count = self.base.len();
         at_most("faces", count, MOST_FACES)?;
@@ -128,7 +128,7 @@ impl Seeds<'_> {
                 (edges[face][k], against[face][k]) = (edge, side & 1 == 1);
             }
         }
-        // Others are their own.
+        // Sides without a wavelet get edges of their own.
         let mut edge_count = times.iter().rposition(|&times| times > 0).map_or(0, |last| last + 1);
         for edge in edges.as_flattened_mut().iter_mut().filter(|edge| **edge == NONE) {
             *edge = edge_count as u32;
@@ -139,14 +139,14 @@ impl Seeds<'_> {
 }
 
 impl WaveletMesh {
-    /// Checks that the structure holds together: the connectivity is what grows from its base faces; as many vertices, bounds and
-    /// materials as there should be; bounds are lengths, and each within those of the wavelet's parents.
+    /// Checks the invariants of the structure: the connectivity equals what grows from its base faces; the numbers of vertices,
+    /// bounds and materials are right; bounds are lengths, each within the bounds of the wavelet's parents.
     ///
-    /// Holds for whatever is built; parts and files are let in through it only. O(n) on any input, and no more memory than the
-    /// mesh takes.
+    /// Every built mesh passes; parts and files are accepted only after this check. O(n) on any input, and no more memory than
+    /// the mesh takes.
     ///
     /// # Errors
-    /// The first promise that is broken, and where.
+    /// The first broken invariant, and where.
     pub fn validate(&self) -> Result<(), WaveletError> {
         let of = &self.subdivision;
         let grown = Seeds {
@@ -164,7 +164,7 @@ impl WaveletMesh {
         self.check_values()
     }
 
-    /// All but the connectivity.
+    /// Checks everything except the connectivity.
     pub(super) fn check_values(&self) -> Result<(), WaveletError> {
         let of = &self.subdivision;
         expect("vertices", self.vertices.positions().len(), of.vertex_count())?;
@@ -196,7 +196,7 @@ impl WaveletMesh {
     }
 }
 
-/// The first number for which something holds.
+/// Returns the first number in `0..count` for which `holds` is true.
 fn first(count: u32, holds: impl Fn(u32) -> bool + Sync + Send) -> Option<u32> {
     #[cfg(feature = "parallel")]
     {
@@ -219,7 +219,7 @@ fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), Wavelet
     if count <= limit { Ok(()) } else { Err(WaveletError::TooMany { what, count, limit }) }
 }
 
-/// Where something that follows from the rest is not what follows.
+/// Fails at the first element where `known` differs from `found`.
 fn same<T: PartialEq>(what: &'static str, known: &[T], found: &[T]) -> Result<(), WaveletError> {
     let first = known.iter().zip(found).position(|(a, b)| a != b);
     match first {

@@ -1,4 +1,4 @@
-//! Where the vertices of a set of wavelets are drawn.
+//! Positions (or other values) of vertices as drawn for a set of wavelets.
 //!
 //! ```text
 //!     in the set        its own place, if all that it builds on is at its own; on its way (Azuma et al., equation 6)
@@ -6,9 +6,9 @@
 //!     in use alone      the middle of its ends: on the surface, as if it were not there
 //! ```
 //!
-//! Ends are of coarser levels, so going through levels in order finds every vertex once its ends are found. Looked at are only
-//! those that came, went or move, and those whose ends did: a vertex is an end of one edge at each finer level in every
-//! direction (a *incident edge* and its inner halves).
+//! Ends are of coarser levels, so going through levels in order places every vertex after its ends. Visited are only vertices
+//! which came, went or move, and vertices whose ends did. At each finer level, a vertex is an end of an edge in every direction
+//! (an *incident edge* and its inner halves).
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::lod::{Mix, Values, Vertex};
@@ -17,23 +17,23 @@ use crate::mesh::NONE;
 use super::subdivision::Subdivision;
 use super::surface::WaveletSurface;
 
-/// In the set.
+/// The wavelet is in the set.
 const SET: u8 = 1;
-/// At its own place.
+/// The wavelet's vertices are at their own places.
 const AT_REST: u8 = 2;
 const QUEUED: u8 = 4;
 
-/// A wavelet whose weight is on its way.
+/// A wavelet whose weight is changing.
 #[derive(Debug, Clone, Copy)]
 struct Transition {
     wavelet: u32,
     from: f32,
     to: f32,
-    /// Share of the way gone.
+    /// Share of the transition done, 0 to 1.
     gone: f32,
 }
 
-/// Slots of the vertices in use. Those that get free are taken again, so there may be some that nothing names.
+/// Slots of the vertices in use. Freed slots are reused, so some slots may be unused.
 #[derive(Debug, Clone, Default)]
 struct Slots {
     slot_of: Vec<u32>,
@@ -43,24 +43,24 @@ struct Slots {
 
 #[derive(Debug, Clone)]
 pub(super) struct Vertices<V> {
-    /// Every vertex at its own place.
+    /// Values of all vertices at their own places.
     values: Values<V>,
-    /// How they are mixed; `None` where no vertex is ever elsewhere.
+    /// Blending of values; `None` if vertices are drawn only at their own places.
     mix: Option<Mix<V>>,
-    /// Per vertex, or per slot, what is drawn.
+    /// Values as drawn, per vertex or per slot.
     drawn: Vec<V>,
     dirty: Dirty,
     slots: Option<Slots>,
     state: Vec<u8>,
-    /// Wavelets to look at, by level.
+    /// Wavelets to visit, by level.
     queue: Vec<Vec<u32>>,
     transitions: Vec<Transition>,
-    /// Per wavelet its transition, or `NONE`; empty where there are none.
+    /// Per wavelet the index of its transition, or `NONE`; empty without geomorphs.
     transition_of: Vec<u32>,
 }
 
 impl<V: Vertex> Vertices<V> {
-    /// The base mesh.
+    /// Starts with the base mesh.
     pub fn new(of: &Subdivision, values: Values<V>, packed: bool, moves: bool) -> Self {
         let base = of.base_vertex_count();
         let slots = packed.then(|| {
@@ -84,19 +84,19 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// What indices call a vertex in use.
+    /// Returns the index of a vertex in use as drawn: the vertex or its slot.
     #[inline]
     pub fn name(&self, vertex: u32) -> u32 {
         self.slots.as_ref().map_or(vertex, |slots| slots.slot_of[vertex as usize])
     }
 
-    /// Takes in that a wavelet came into the set or went.
+    /// Adds a wavelet to the set or removes it.
     pub fn set(&mut self, wavelet: u32, comes: bool) {
         let state = &mut self.state[wavelet as usize];
         *state = if comes { *state | SET } else { *state & !SET };
     }
 
-    /// A wavelet's weight goes to 1 or to 0, from where it is or from 0 if it is `new`.
+    /// Starts moving a wavelet's weight to `to`, from its current weight, or from 0 if it is `new`.
     pub fn start(&mut self, wavelet: u32, to: f32, new: bool) {
         let from = if new { 0.0 } else { self.weight(wavelet) };
         let transition = Transition { wavelet, from, to, gone: 0.0 };
@@ -109,7 +109,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// A wavelet's weight is what it is to be at once.
+    /// Ends a wavelet's transition: its weight is 1 in the set and 0 outside at once.
     pub fn end(&mut self, wavelet: u32) {
         let Some(at) = self.transition_of.get_mut(wavelet as usize) else { return };
         let at = std::mem::replace(at, NONE);
@@ -121,7 +121,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// All transitions go on by a share of their way; those that have opened end.
+    /// Advances all transitions by a share of their way. Finished transitions to weights above 0 end.
     pub fn advance(&mut self, of: &Subdivision, progress: f32) {
         let mut at = 0;
         while at < self.transitions.len() {
@@ -154,7 +154,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Brings all that changed to where it is drawn now. Before the surface is written.
+    /// Updates all changed vertices to where they are drawn. Must run before the surface is written.
     pub fn update(&mut self, of: &Subdivision, surface: &WaveletSurface) {
         for &wavelet in surface.changed() {
             if surface.uses().is_used(wavelet) {
@@ -178,7 +178,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Finds where a wavelet's vertices are; whether that is elsewhere than before.
+    /// Places a wavelet's vertices; returns whether they may have moved.
     fn place(&mut self, of: &Subdivision, wavelet: u32) -> bool {
         let weight = self.weight(wavelet);
         let was_at_rest = self.state[wavelet as usize] & AT_REST != 0;
@@ -235,7 +235,7 @@ impl<V: Vertex> Vertices<V> {
                 slot => slot,
             },
         };
-        // What is there already need not be written again.
+        // A vertex at rest before and now is not written again.
         let drawn = &mut self.drawn[slot as usize];
         if !is_there && bytemuck::bytes_of(drawn) != bytemuck::bytes_of(&value) {
             *drawn = value;
@@ -262,7 +262,7 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Values at their own places, to be changed, or replaced by as many; then [`Vertices::revalue`].
+    /// Values at their own places, to be changed, or replaced by as many values; call [`Vertices::revalue`] afterwards.
     pub fn own_values(&mut self) -> &mut Values<V> {
         &mut self.values
     }
@@ -272,12 +272,12 @@ impl<V: Vertex> Vertices<V> {
         &self.values
     }
 
-    /// Takes all for written.
+    /// Marks all values as changed.
     pub fn invalidate(&mut self) {
         self.dirty.mark_all(self.drawn.len());
     }
 
-    /// Takes in that vertices have other values at their own places: they are to be drawn anew, and what is between them.
+    /// Handles new values of vertices at their own places: redraws the vertices and all vertices depending on them.
     pub fn revalue(&mut self, of: &Subdivision, surface: &WaveletSurface, changed: &[u32]) {
         let mut corners: Vec<u32> = Vec::new();
         for &vertex in changed {
@@ -286,11 +286,11 @@ impl<V: Vertex> Vertices<V> {
                 continue;
             };
             if surface.uses().is_used(wavelet) {
-                // Or it would be taken for drawn already.
+                // Otherwise the vertex would count as drawn already.
                 self.state[wavelet as usize] &= !AT_REST;
                 self.enqueue(of, wavelet);
             }
-            // Those on their way build on the place of a vertex even where it is elsewhere itself.
+            // Dependent vertices in transition use a vertex's own place even where it is drawn elsewhere.
             self.wake_dependents(of, surface, wavelet);
         }
         corners.sort_unstable();
@@ -318,12 +318,12 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// The values that are drawn.
+    /// Values as drawn.
     pub fn drawn(&self) -> &[V] {
         &self.drawn
     }
 
-    /// Where a vertex is drawn, or its own place where it is not.
+    /// Returns the value of a vertex as drawn; at its own place if it is not drawn.
     pub fn value(&self, surface: &WaveletSurface, of: &Subdivision, vertex: u32) -> V {
         match of.wavelet_of(vertex) {
             Some(wavelet) if !surface.uses().is_used(wavelet) => self.values[vertex as usize],
@@ -337,12 +337,12 @@ impl<V: Vertex> Vertices<V> {
         self.state[wavelet as usize] & SET != 0
     }
 
-    /// The vertex in every slot.
+    /// The vertex in every slot; `None` if vertices are not packed.
     pub fn vertices(&self) -> Option<&[u32]> {
         self.slots.as_ref().map(|slots| &slots.vertices[..])
     }
 
-    /// Wavelets on their way.
+    /// Number of wavelets in transition.
     pub fn moving(&self) -> usize {
         self.transitions.len()
     }
@@ -355,7 +355,7 @@ impl<V: Vertex> Vertices<V> {
         self.dirty.clear();
     }
 
-    /// Bytes of its arrays, the values at their own places not counted.
+    /// Bytes of its arrays, without the values at their own places.
     pub fn memory(&self) -> usize {
         let slots = self.slots.as_ref().map_or(0, |slots| {
             size_of_val(&slots.slot_of[..]) + size_of_val(&slots.vertices[..]) + size_of_val(&slots.free[..])

@@ -1,4 +1,4 @@
-//! `multires adapt`: what a view asks for out of a baked structure.
+//! `multires adapt`: the mesh a view asks for, out of a baked structure.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,10 +14,10 @@ use crate::files;
 use crate::model::{Model, Style};
 use crate::output::{Answer, Failure, Run, Table, percent};
 
-/// Write what a view asks for of a baked model as a mesh.
+/// Write the mesh a view asks for, out of a baked model.
 ///
-/// Of a hierarchy and of wavelets: fine where the view needs it, coarse where it is far, outside the picture or faces away. Of a
-/// totally ordered mesh: the level that its nearest point asks for. What is baked is made by `build`.
+/// For a hierarchy and for wavelets: fine where the view needs it, coarse where it is far, outside the picture or faces away.
+/// For a totally ordered mesh: the level asked for by its nearest point. Baked files are made by `build`.
 #[derive(Args)]
 pub struct Adapt {
     /// The baked file.
@@ -26,26 +26,27 @@ pub struct Adapt {
     /// The mesh file to write.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Where the eye is.
+    /// Position of the eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     eye: Point,
-    /// What it looks at.
+    /// Point the eye looks at.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     target: Point,
     #[command(flatten)]
     camera: Camera,
-    /// At most so many triangles, the base mesh's at least: tolerances are made as much larger as that takes.
+    /// At most this many triangles, but never fewer than the base mesh has: all tolerances grow by a common factor until they
+    /// fit.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
     #[command(flatten)]
     style: Style,
 }
 
-/// Halvings of the logarithm of how much coarser a budget makes a view, and the largest such logarithm to base 2.
+/// Bisection steps for the logarithm of a budget's factor on tolerances, and the largest such logarithm to base 2.
 const HALVINGS: usize = 30;
 const COARSEST: f64 = 64.0;
 
-/// Adapts, as coarse as a budget asks for. By how much tolerances were multiplied, and what it did.
+/// Adapts, as coarsely as the budget needs. Returns the factor on tolerances, and the change.
 fn adapt(lod: &mut dyn Lod, view: &ObjectView, budget: Option<usize>) -> (f64, Change) {
     let mut at = |octaves: f64| lod.adapt(&[view.coarsened(octaves.exp2())], 0.0);
     let change = at(0.0);

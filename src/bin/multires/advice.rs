@@ -1,7 +1,7 @@
-//! What would have helped where nothing legal was left: options are tried, and only those that get further are named.
+//! Advice where no legal collapse was left: tries options, and names only options that get further.
 //!
-//! The level that was reached is simplified on with one option changed, or with several where none helps alone: as cheap as
-//! the level is coarse.
+//! The level reached is simplified on with a single option changed, or with all of them if none helps alone. Costs little,
+//! since the level is coarse.
 
 use multires::mesh::Mesh;
 use multires::simplify::{SimplifyReport, Target};
@@ -10,21 +10,21 @@ use serde_json::{Value, json};
 use crate::output::Failure;
 use crate::rules::{Gives, Place, Rules, Switch};
 
-/// Advice must get to this share of the triangles reached without.
+/// Advice must get to this share of the triangles reached without it.
 const WORTH: f64 = 0.95;
 
-/// An option, and how far it gets.
+/// An option, and the triangles it reaches.
 pub struct Advice {
-    /// As on the command line, or in words where something is to be left out.
+    /// As on the command line, or in words if something is to be left out.
     option: String,
     triangles: usize,
 }
 
-/// An option that loosens a rule: the rule's name in the report, how it is said, and how it changes the rules.
+/// An option to loosen a rule: the rule's name in the report, the option's text, and its change to the rules.
 type Way = (&'static str, String, Box<dyn Fn(&mut Rules)>);
 
 impl Advice {
-    /// What gets further than `level`, where a simplification stopped with nothing legal left; best first.
+    /// Finds options to get further than `level`, where a simplification stopped with nothing legal left; best first.
     pub fn find(
         rules: &Rules,
         place: Place,
@@ -65,20 +65,20 @@ impl Advice {
         Ok(found)
     }
 
-    /// For people, to follow what was reached.
+    /// Text for people, to follow the report of the level reached.
     pub fn text(found: &[Self]) -> String {
         let lines: Vec<String> =
             found.iter().map(|a| format!("{} goes on to {} triangles", a.option, a.triangles)).collect();
         if lines.is_empty() { String::new() } else { format!("; tried from there: {}", lines.join(", ")) }
     }
 
-    /// For JSON.
+    /// Values for JSON.
     pub fn json(found: &[Self]) -> Vec<Value> {
         found.iter().map(|a| json!({ "option": a.option, "triangles": a.triangles })).collect()
     }
 }
 
-/// The options that may loosen a rule of some name.
+/// Returns the options that may loosen rules, each with the name of its rule.
 fn ways(rules: &Rules, level: &Mesh) -> Vec<Way> {
     let mut ways: Vec<Way> = Vec::new();
     if rules.lock_borders {

@@ -1,4 +1,4 @@
-//! `multires build`: all levels of detail of a mesh in one baked file.
+//! `multires build`: all levels of detail of a mesh in a baked file.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -24,12 +24,12 @@ use crate::{files, simplify};
 
 /// Bake all levels of detail of a mesh into one file.
 ///
-/// The totally ordered mesh (tom) needs endpoint placement, which is then the default for every metric. The vertex
-/// hierarchy (hierarchy) takes any. Berkey and Song's system is --metric edge-length --placement midpoint --order batched
-/// --dependencies neighbours, with --radius where it is looked at.
+/// The totally ordered mesh (tom) needs endpoint placement, which is then the default for every metric. The vertex hierarchy
+/// (hierarchy) takes any placement. Berkey and Song's system is --metric edge-length --placement midpoint --order batched
+/// --dependencies neighbours, with --radius in `adapt` and `fly`.
 ///
-/// Wavelets (wavelet) are for meshes that are four-to-one subdivisions of coarser ones. Nothing is simplified: the coarsest such
-/// mesh is found, and every vertex above it is a wavelet.
+/// Wavelets (wavelet) are for meshes made by four-to-one subdivision of coarser meshes. Nothing is simplified: the coarsest
+/// such mesh is found, and every vertex above it is a wavelet.
 #[derive(Args)]
 pub struct Build {
     /// The mesh file to read.
@@ -38,18 +38,18 @@ pub struct Build {
     /// The baked file to write.
     #[arg(value_name = "OUT.mres")]
     output: PathBuf,
-    /// What to build.
+    /// Structure to build.
     #[arg(long, value_name = "S", value_enum)]
     structure: Structure,
-    /// What a split of a hierarchy needs besides its own vertex: nothing, the vertices of its triangles and of those beside
-    /// them, or all neighbours as the simplifier had them [default: none].
+    /// Vertices that must be active before a hierarchy's split, besides its own: none, the vertices of its triangles and of the
+    /// triangles beside them, or all neighbours at the time of simplification [default: none].
     #[arg(long, value_name = "D", value_enum)]
     dependencies: Option<Needs>,
-    /// Which errors bounds of a wavelet hold: all that can come about, or those of leaving out all wavelets of its level and finer
-    /// ones (Azuma et al.), which gives fewer triangles and no proof [default: conservative].
+    /// Errors covered by a wavelet's bounds: all possible errors, or errors of leaving out all wavelets of its level and finer
+    /// levels (Azuma et al.), for fewer triangles and no proof [default: conservative].
     #[arg(long, value_name = "B", value_enum)]
     bound: Option<Bound>,
-    /// The shape around errors of a wavelet: a spheroid, or a sphere with two cones (Hoppe) [default: spheroid].
+    /// Shape around a wavelet's errors: a spheroid, or a sphere with two cones (Hoppe) [default: spheroid].
     #[arg(long, value_name = "E", value_enum)]
     shape: Option<Shape>,
     #[command(flatten)]
@@ -63,7 +63,7 @@ enum Structure {
     Tom,
     /// Vertex hierarchy: fine where a view needs it.
     Hierarchy,
-    /// Wavelets over subdivision connectivity: the same, and nothing slides.
+    /// Wavelets over subdivision connectivity: fine where a view needs it, and nothing slides.
     Wavelet,
 }
 
@@ -79,7 +79,7 @@ enum Shape {
     Hoppe,
 }
 
-/// How near cuts stay to meshes that the simplifier has seen.
+/// How near cuts stay to meshes seen by the simplifier.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Needs {
     None,
@@ -126,13 +126,13 @@ impl Run for Build {
     }
 }
 
-/// Said of a mesh that its normals hold.
+/// Note on a mesh held up by its normals.
 const HARD_EDGES: &str = "every face has normals of its own, so that edges can hardly go: --normals drop leaves them out, \
     for a renderer that shades by face";
 
 /// A mesh, and its simplification down to the base mesh.
 struct Simplified {
-    /// The file that was read, for JSON and for people.
+    /// The input file, for JSON and for people.
     input: Value,
     input_text: String,
     notes: Vec<String>,
@@ -149,7 +149,7 @@ impl Build {
         let mesh = self.given.rules.prepared(imported.mesh)?;
         let start = Instant::now();
         let bar = Bar::new("simplifying");
-        // Vertices of a structure are fixed, so their normals are those of the input.
+        // Vertices of a structure are fixed, so their normals are the input's.
         let mut simplifier = self.given.rules.simplifier(place, Normals::Keep)?;
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
         let mut notes = imported.notes;
@@ -159,7 +159,7 @@ impl Build {
         Ok(Simplified { input, input_text, notes, mesh, sequence, start })
     }
 
-    /// A model of a simplification, by a placement.
+    /// Bakes a model from a simplification with a placement.
     fn of_sequence<S: FromSequence + Stored>(
         &self,
         place: Place,
@@ -226,7 +226,7 @@ impl Build {
         self.answer(Built { model: Model(Box::new(baked)), start, input, input_text, notes, members, rows })
     }
 
-    /// Writes what was built, and says what it is.
+    /// Writes the model built, and describes it.
     fn answer(&self, built: Built) -> Result<Answer, Failure> {
         let Built { model, start, input, input_text, notes, members, rows } = built;
         let seconds = start.elapsed().as_secs_f64();
@@ -253,12 +253,12 @@ impl Build {
     }
 }
 
-/// A structure that files can hold.
+/// A structure to be stored in files.
 trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
 
 impl<T: serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
 
-/// What was built, and what is to be said of it besides.
+/// The model built, and facts to report besides.
 struct Built {
     model: Model,
     start: Instant,
@@ -269,14 +269,14 @@ struct Built {
     rows: Table,
 }
 
-/// What to do with a mesh that is no subdivision.
+/// Advice for a mesh without subdivision connectivity.
 const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint), \
                        or --drop materials whose borders are in the way";
 
-/// Components that are listed for people; more are counted.
+/// Most components listed for people; the rest are counted.
 const LISTED: usize = 12;
 
-/// A component for JSON.
+/// Describes a component, for JSON.
 fn component(component: &Component) -> Value {
     json!({
         "triangles": component.triangles,
@@ -287,7 +287,7 @@ fn component(component: &Component) -> Value {
     })
 }
 
-/// Of components that have no levels, and are drawn whole from everywhere.
+/// Describes components without levels, drawn whole from everywhere.
 fn rigid(components: &[Component]) -> Option<String> {
     let rigid = || components.iter().filter(|component| component.levels == 0);
     let largest = rigid().max_by_key(|component| component.triangles)?;

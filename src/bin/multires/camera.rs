@@ -1,4 +1,4 @@
-//! How to look at a model: the arguments that `adapt` and `fly` have in common, and the views that they ask for.
+//! Arguments common to `adapt` and `fly`: how to look at a model, and the views made from them.
 
 use clap::{Args, ValueEnum};
 use multires::view::{ErrorKind, ObjectView, View, look_at};
@@ -10,11 +10,11 @@ use crate::rules::not_negative;
 
 #[derive(Args)]
 pub struct Camera {
-    /// What eye, target and radius are in: multiples of the diagonal of the model's box, from the box's centre; or the
-    /// units and coordinates of the file that the model was made from.
+    /// Units of eye, target and radius: multiples of the diagonal of the model's box, from the box's centre; or the units and
+    /// coordinates of the file the model was made from.
     #[arg(long, value_name = "U", value_enum, default_value_t = Units::Diagonal)]
     units: Units,
-    /// Which way is up on the picture.
+    /// Direction of up on the picture.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = point, allow_hyphen_values = true)]
     up: Point,
     /// Vertical field of view, degrees.
@@ -26,27 +26,27 @@ pub struct Camera {
     /// Largest error on the picture, pixels.
     #[arg(long, value_name = "P", default_value_t = 1.0, value_parser = not_negative)]
     tolerance: f64,
-    /// The same for what may be on the silhouette [default: as anywhere].
+    /// Largest error on the picture at possible silhouettes, pixels [default: as anywhere].
     #[arg(long, value_name = "P", value_parser = not_negative)]
     silhouette: Option<f64>,
-    /// Which error: how far the surface is from the original (geometric), or how far any of its points is from where it
-    /// belongs (parametric), which holds what is painted on it in place too. The same of wavelet meshes, where nothing slides.
+    /// Kind of error: the distance of the surface from the original (geometric), or of its points from where they belong
+    /// (parametric), which also keeps a texture in place. Both are equal for wavelet meshes, where nothing slides.
     #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Geometric)]
     error: Measure,
-    /// Instead of errors: full resolution within this distance from the eye and in the picture, nothing elsewhere
-    /// (Berkey and Song).
+    /// Replaces errors: full resolution within this distance from the eye and in the picture, nothing elsewhere (Berkey and
+    /// Song).
     #[arg(long, value_name = "R", value_parser = not_negative,
           conflicts_with_all = ["tolerance", "silhouette", "error", "no_frustum", "both_sides"])]
     radius: Option<f64>,
-    /// Refine what is outside the picture too.
+    /// Refine outside the picture too.
     #[arg(long)]
     no_frustum: bool,
-    /// Refine what faces away too, for models that are drawn from both sides.
+    /// Refine triangles facing away too, for models drawn from both sides.
     #[arg(long)]
     both_sides: bool,
 }
 
-/// What places are in.
+/// Units of places.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Units {
     Object,
@@ -62,14 +62,14 @@ enum Measure {
 /// Three numbers.
 pub type Point = [f64; 3];
 
-/// Where a model is, to make object units of others.
+/// Origin and unit of places, to convert them to object units.
 pub struct Place {
     origin: Point,
     unit: f64,
 }
 
 impl Camera {
-    /// Where places are counted from, and in what.
+    /// Returns the origin and the unit of places.
     pub fn place(&self, model: &Model) -> Place {
         match (self.units, model.0.bounds()) {
             (Units::Diagonal, Some([low, high])) => {
@@ -81,7 +81,7 @@ impl Camera {
         }
     }
 
-    /// The view from `eye` towards `target`.
+    /// Makes the view from `eye` towards `target`.
     pub fn view(&self, place: &Place, eye: Point, target: Point) -> Result<ObjectView, Failure> {
         let at =
             |p: Point| -> [f32; 3] { std::array::from_fn(|i| (place.origin[i] + place.unit * p[i]) as f32) };
@@ -109,7 +109,7 @@ impl Camera {
         Ok(view.of_world())
     }
 
-    /// What was asked for, for JSON.
+    /// Describes the arguments, for JSON.
     pub fn describe(&self) -> Value {
         json!({
             "units": match self.units { Units::Object => "object", Units::Diagonal => "diagonal" },
@@ -132,7 +132,7 @@ impl Camera {
         }
     }
 
-    /// The same for people.
+    /// Describes the arguments, for people.
     pub fn describe_text(&self) -> String {
         let [width, height] = self.viewport;
         let what = match self.radius {
@@ -143,7 +143,7 @@ impl Camera {
     }
 }
 
-/// Three finite numbers with commas between them.
+/// Parses three finite numbers with commas between them.
 pub fn point(text: &str) -> Result<Point, String> {
     let wrong = || format!("{text:?} is not X,Y,Z");
     let mut parts = text.split(',').map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()));

@@ -1,4 +1,4 @@
-//! A picture to draw into, and as a PNG file.
+//! A picture to draw into, and to encode as a PNG file.
 
 /// Pixels row by row from the top.
 pub struct Canvas {
@@ -7,29 +7,29 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// All of one colour.
+    /// Makes a picture of a single colour.
     pub fn new(width: u32, height: u32, colour: [u8; 3]) -> Self {
         Self { width: width as usize, pixels: vec![colour; width as usize * height as usize] }
     }
 
-    /// The pixel so many from the left and from the top, if there is one.
+    /// Returns the pixel at `x` from the left and `y` from the top, if it exists.
     pub fn at(&mut self, x: u32, y: u32) -> Option<&mut [u8; 3]> {
         let (x, y) = (x as usize, y as usize);
         (x < self.width).then(|| self.pixels.get_mut(y * self.width + x)).flatten()
     }
 
-    /// Colours a pixel, if there is one.
+    /// Colours a pixel, if it exists.
     pub fn put(&mut self, x: u32, y: u32, colour: [u8; 3]) {
         if let Some(pixel) = self.at(x, y) {
             *pixel = colour;
         }
     }
 
-    /// The picture as a PNG file. The fewer bits of each colour, 4 to 8, the less room it takes: 6 are not seen to be fewer
-    /// than 8. Flat colours pack best unfiltered.
+    /// Encodes the picture as a PNG file. `bits` of each colour are kept, 4 to 8; fewer bits take less room, and 6 look
+    /// like 8. Flat colours pack best unfiltered.
     ///
     /// # Errors
-    /// What the encoder says: an empty picture.
+    /// The encoder fails: the picture is empty.
     pub fn png(&self, bits: u32) -> Result<Vec<u8>, png::EncodingError> {
         let bits = bits.clamp(4, 8);
         let coarse = |value: &u8| (value & !(255_u16 >> bits) as u8) | (u16::from(*value) >> bits) as u8;

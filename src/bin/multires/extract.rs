@@ -17,9 +17,9 @@ use crate::{facts, files};
 
 /// Write a level of detail from a baked file as a mesh.
 ///
-/// What comes out is the finest level that does not exceed what is asked for, and never less than the base mesh; the
-/// answer says which one it is. Of hierarchies and wavelet meshes, numbers of triangles take the splits or wavelets with the
-/// largest bounds, as many as fit.
+/// The result is the finest level that does not exceed the arguments, and never less than the base mesh; the answer describes
+/// it. For hierarchies and wavelet meshes, a number of triangles takes the splits or wavelets with the largest bounds, as many
+/// as fit.
 #[derive(Args)]
 pub struct Extract {
     /// The baked file.
@@ -32,12 +32,12 @@ pub struct Extract {
     asked: Asked,
     #[command(flatten)]
     style: Style,
-    /// Normals of a wavelet mesh's level: those of the finest (kept), or from the triangles as they are [default: kept].
+    /// Normals of a wavelet mesh's level: the finest level's (kept), or from the level's triangles [default: kept].
     #[arg(long, value_name = "K", value_enum)]
     normals: Option<Source>,
 }
 
-/// Where normals come from.
+/// Source of normals.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Source {
     Kept,
@@ -47,29 +47,29 @@ enum Source {
 #[derive(Args)]
 #[group(required = true, multiple = false)]
 struct Asked {
-    /// At most so many triangles.
+    /// At most this many triangles.
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
-    /// At most so many vertices.
+    /// At most this many vertices.
     #[arg(long, value_name = "N")]
     vertices: Option<usize>,
     /// At most this share of all triangles, 0 to 1.
     #[arg(long, value_name = "R", value_parser = share)]
     ratio: Option<f64>,
-    /// The coarsest level known to err by at most this, object units.
+    /// The coarsest level with a known error of at most this, object units.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     error: Option<f64>,
-    /// The coarsest level known to err by at most this, in percent of the diagonal of the mesh's box.
+    /// The coarsest level with a known error of at most this, in percent of the diagonal of the mesh's box.
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
-    /// From 0, the coarsest level, to 1, the finest: this share of the vertices that are not in the base mesh. Of a wavelet mesh
-    /// the number of a level, from 0, the base mesh.
+    /// From 0, the coarsest level, to 1, the finest: this share of the vertices beyond the base mesh. For a wavelet mesh, the
+    /// number of a level, from 0, the base mesh.
     #[arg(long, value_name = "T", value_parser = level)]
     level: Option<f64>,
 }
 
 impl Asked {
-    /// Of a model whose vertices are counted.
+    /// Returns the level asked for, of a model that is no wavelet mesh.
     fn level(&self, model: &Model) -> Result<Level, Failure> {
         if self.level.is_some_and(|level| level > 1.0) {
             return Err(Failure::Usage("--level of this structure is from 0 to 1".to_owned()));
@@ -92,7 +92,7 @@ impl Asked {
         })
     }
 
-    /// The wavelets asked for, as one flag a wavelet, closed under parents.
+    /// Returns the wavelets asked for: a flag for each wavelet, closed under parents.
     fn wavelets(&self, mesh: &WaveletMesh, style: &Style) -> Result<Vec<bool>, Failure> {
         let of = mesh.subdivision();
         let at_tolerance = |tolerance: f64| {
@@ -121,13 +121,13 @@ impl Asked {
     }
 }
 
-/// A share, or the number of a level.
+/// Parses a share, or the number of a level.
 fn level(text: &str) -> Result<f64, String> {
     let level = not_negative(text).ok().filter(|level| *level <= 1.0 || level.fract() == 0.0);
     level.ok_or_else(|| "not a number from 0 to 1, nor the whole number of a level".to_owned())
 }
 
-/// The nearest single-precision number that is not above, for promises of "at most".
+/// Returns the nearest single-precision number not above `x`, for promises of "at most".
 pub fn round_down(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) > x { rounded.next_down() } else { rounded }

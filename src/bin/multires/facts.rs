@@ -1,5 +1,5 @@
-//! What there is to say of a baked model, for JSON and for people: what all have in common, and what a structure has besides.
-//! Nothing else in the program knows structures that were built.
+//! Facts about a baked model, for JSON and for people: common to all models, and of each structure. Of the other files of
+//! the program, `build.rs` names structures to build them, and `extract.rs` wavelets for their own levels.
 
 use multires::Baked;
 use multires::hierarchy::{Dependencies, VertexHierarchy};
@@ -19,7 +19,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Of a model.
+    /// Collects the facts of a model.
     pub fn new(model: &Model) -> Self {
         let mut facts = Self { members: Vec::new(), rows: Table::default() };
         let any = model.0.as_any();
@@ -132,7 +132,7 @@ impl Facts {
             ("by_level", levels.collect()),
             ("bound", json!(bound(mesh))),
             ("shape", json!(shape)),
-            // Bytes a vertex of the finest level, beyond what the vertices are.
+            // Bytes a vertex of the finest level, beyond the vertices themselves.
             ("structure_bytes_per_vertex", json!(each)),
         ]);
         self.rows
@@ -148,7 +148,7 @@ impl Facts {
     }
 }
 
-/// How bounds of a wavelet mesh were made.
+/// Returns the name of a wavelet mesh's kind of bound.
 pub fn bound(mesh: &WaveletMesh) -> &'static str {
     match mesh.options().bound {
         ErrorBound::Conservative => "conservative",
@@ -157,7 +157,7 @@ pub fn bound(mesh: &WaveletMesh) -> &'static str {
     }
 }
 
-/// A level of detail for JSON.
+/// Describes a level of detail, for JSON.
 pub fn counts(vertices: usize, triangles: usize, error: f32, diagonal: f64) -> Value {
     json!({
         "vertices": vertices,
@@ -167,7 +167,7 @@ pub fn counts(vertices: usize, triangles: usize, error: f32, diagonal: f64) -> V
     })
 }
 
-/// The coarsest level of a model.
+/// Returns the coarsest level of a model.
 pub fn coarsest(model: &Model) -> Extracted {
     model.0.level(Level::Triangles(0))
 }

@@ -1,4 +1,4 @@
-//! What is read and written: reasons that name the file, and outputs that are checked before the work starts.
+//! Reads and writes files: reasons name the file, and outputs are checked before the work starts.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ pub fn read_mesh(path: &Path) -> Result<Imported, Failure> {
     })
 }
 
-/// A reason that names the file once.
+/// Makes a reason naming the file once.
 pub fn baked(path: &Path, error: &BakeError) -> Failure {
     match error {
         BakeError::Io { .. } => Failure::input(error),
@@ -24,7 +24,7 @@ pub fn baked(path: &Path, error: &BakeError) -> Failure {
     }
 }
 
-/// A mesh file to be written, of a format that can be.
+/// Checks a mesh file to be written: its format can be written, its place exists.
 pub fn check_mesh_output(path: &Path) -> Result<(), Failure> {
     if Format::from_path(path).is_none() {
         return Err(Failure::Usage(format!(
@@ -35,7 +35,7 @@ pub fn check_mesh_output(path: &Path) -> Result<(), Failure> {
     check_place(path)
 }
 
-/// A file to be written that has to be of one kind: `mres`, `ply`, `png`.
+/// Checks a file to be written with a required extension: `mres`, `ply`, `png`.
 pub fn check_output(path: &Path, extension: &str) -> Result<(), Failure> {
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(extension)) {
         return Err(Failure::Usage(format!("{}: the extension is not .{extension}", path.display())));
@@ -43,7 +43,7 @@ pub fn check_output(path: &Path, extension: &str) -> Result<(), Failure> {
     check_place(path)
 }
 
-/// Says before the work what would be said after it.
+/// Checks a place to be written to, before the work rather than after it.
 pub fn check_place(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if path.is_dir() {
@@ -68,12 +68,12 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), Failure> {
     })
 }
 
-/// The bytes of a file; 0 where that cannot be said.
+/// Returns the bytes of a file; 0 if they are unknown.
 pub fn size(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |m| m.len())
 }
 
-/// A file and the mesh in it, for JSON.
+/// Describes a file and its mesh, for JSON.
 pub fn describe(path: &Path, mesh: &Mesh) -> Value {
     json!({
         "path": path.display().to_string(),
@@ -83,7 +83,7 @@ pub fn describe(path: &Path, mesh: &Mesh) -> Value {
     })
 }
 
-/// The same for people.
+/// Describes a file and its mesh, for people.
 pub fn describe_text(path: &Path, mesh: &Mesh) -> String {
     let (vertices, triangles) = (mesh.positions().len(), mesh.triangles().len());
     format!("{}: {vertices} vertices, {triangles} triangles", path.display())

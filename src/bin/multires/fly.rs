@@ -17,10 +17,10 @@ use crate::path;
 
 /// Fly along a camera path over a baked model, and write what every frame drew and cost.
 ///
-/// One row a frame: frame, triangles and vertices drawn; tests, splits and collapses made; microseconds they took; bytes
-/// of buffers that changed and have to be uploaded, vertices with all that the mesh has. The first frame starts from the base
-/// mesh, all of it new. Splits and collapses of a wavelet mesh are wavelets that come and go, and its vertices change where a
-/// neighbour comes or goes; those of a totally ordered mesh are vertices.
+/// A row a frame: frame, triangles and vertices drawn; tests, splits and collapses made; microseconds they took; bytes of
+/// changed buffers to upload, vertices with all attributes of the mesh. The first frame starts from the base mesh, all of it
+/// new. Splits and collapses of a wavelet mesh are wavelets coming and going, and its vertices change where a neighbour comes
+/// or goes. Splits and collapses of a totally ordered mesh are vertices.
 #[derive(Args)]
 pub struct Fly {
     /// The baked file.
@@ -31,13 +31,14 @@ pub struct Fly {
     path: PathBuf,
     #[command(flatten)]
     camera: Camera,
-    /// Keep the vertices in use packed in a buffer of their own, instead of all in one.
+    /// Keep the vertices in use packed in a buffer of their own, instead of all vertices in a shared buffer.
     #[arg(long)]
     packed: bool,
-    /// At most so many triangles in any frame, the base mesh's at least: the most urgent for the view.
+    /// At most this many triangles in any frame, but never fewer than the base mesh has: the most urgent for the view.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
-    /// At most so many splits and collapses a frame, of a totally ordered mesh vertices but one step at least; the rest is carried over.
+    /// At most this many splits and collapses a frame, or vertices of a totally ordered mesh but at least a step; the rest is
+    /// carried over.
     #[arg(long, value_name = "M")]
     operations: Option<usize>,
     #[command(flatten)]
@@ -54,10 +55,10 @@ const SECONDS: f32 = 1.0 / 60.0;
 const COLUMNS: [&str; 7] =
     ["triangles", "vertices", "tests", "splits", "collapses", "microseconds", "bytes_changed"];
 
-/// Counts the vertices that an instance draws.
+/// Counts the vertices drawn by an instance.
 #[derive(Default)]
 struct Used {
-    /// Per index the frame that last drew it.
+    /// Per index, the last frame to draw it.
     seen: Vec<u32>,
     frame: u32,
 }
@@ -78,7 +79,7 @@ impl Used {
     }
 }
 
-/// Bytes written since the last call.
+/// Returns the bytes written since the last call.
 fn bytes_changed(lod: &mut dyn Lod, per_vertex: usize) -> usize {
     let triangles = (0..lod.groups()).flat_map(|group| lod.dirty_triangles(group, 0));
     let triangles: usize = triangles.map(|range| range.len()).sum();
@@ -87,7 +88,7 @@ fn bytes_changed(lod: &mut dyn Lod, per_vertex: usize) -> usize {
     triangles * size_of::<[u32; 3]>() + vertices * per_vertex
 }
 
-/// Mean, median, 99th percentile (nearest rank) and maximum.
+/// Returns mean, median, 99th percentile (nearest rank) and maximum.
 fn summary(mut values: Vec<f64>) -> [f64; 4] {
     values.sort_unstable_by(f64::total_cmp);
     let rank = |share: f64| {
@@ -99,7 +100,7 @@ fn summary(mut values: Vec<f64>) -> [f64; 4] {
 }
 
 impl Fly {
-    /// The columns of every frame, and the frame's number before them.
+    /// Returns the columns of every frame, each after the frame's number.
     fn frames(&self, model: &Model, poses: &[path::Pose]) -> Result<Vec<(u64, [f64; 7])>, Failure> {
         let place = self.camera.place(model);
         let buffer = if self.packed { VertexBuffer::Packed } else { VertexBuffer::Shared };

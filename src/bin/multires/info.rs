@@ -1,4 +1,4 @@
-//! `multires info`: what is in a file.
+//! `multires info`: the contents of a file.
 
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,10 @@ use crate::{files, simplify};
 
 /// Tell what is in a mesh file or a baked file.
 ///
-/// For a mesh: counts, borders and non-manifold parts, as stored and with vertices at the same position welded;
-/// attributes and their widths, materials, bounds, memory. For a baked file: its kind, the finest and the coarsest
-/// level, and memory in percent of the finest level as a plain mesh; the error bounds of a totally ordered mesh; the splits
-/// and dependencies of a vertex hierarchy; the base faces, wavelets and levels of a wavelet mesh.
+/// For a mesh: counts, borders and non-manifold parts, as stored and with vertices at the same position welded; attributes
+/// and their widths, materials, bounds, memory. For a baked file: its kind, the finest and the coarsest level, and memory
+/// in percent of the finest level as a plain mesh. Besides, for a totally ordered mesh: error bounds; for a vertex
+/// hierarchy: splits and dependencies; for a wavelet mesh: base faces, wavelets and levels.
 #[derive(Args)]
 pub struct Info {
     /// The file.
@@ -38,7 +38,7 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
     let format = Format::from_path(path).map(Format::extension);
     let mut warnings = imported.notes.clone();
     if welded.near_twins > 0 {
-        // Rounded up: this is what --weld needs.
+        // Rounded up, for use with --weld.
         let (count, distance) = (welded.near_twins, 1.01 * welded.twin_distance);
         warnings.push(format!(
             "{count} points on open borders nearly coincide with another; --weld {distance:.2e} makes them one"
@@ -102,7 +102,7 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
     Ok(Answer { json, text: table.text(), warnings: Vec::new() })
 }
 
-/// A report's counts and what follows from them.
+/// Returns a report's counts and facts derived from them.
 fn report(report: &Report) -> Value {
     let mut value = json!(report);
     if let Some(object) = value.as_object_mut() {
@@ -127,7 +127,7 @@ fn attributes(mesh: &Mesh) -> Vec<Value> {
     mesh.attributes().iter().map(one).collect()
 }
 
-/// Ids in use, ascending, with their triangles.
+/// Returns ids in use, ascending, each with its number of triangles.
 fn material_counts(mesh: &Mesh) -> Vec<(u32, usize)> {
     let mut ids = mesh.materials().to_vec();
     ids.sort_unstable();
@@ -139,7 +139,7 @@ fn materials(mesh: &Mesh) -> Vec<Value> {
     material_counts(mesh).into_iter().map(one).collect()
 }
 
-/// Materials that are listed for people; more are counted.
+/// Most materials listed for people; the rest are counted.
 const LISTED: usize = 32;
 
 fn common_rows(table: &mut Table, mesh: &Mesh) {

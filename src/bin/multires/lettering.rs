@@ -2,7 +2,7 @@
 
 use super::canvas::Canvas;
 
-/// Pixels of one unit, and half the width of a stroke.
+/// Pixels of a unit, and half the width of a stroke.
 const UNIT: f32 = 1.8;
 const HALF_STROKE: f32 = 0.85;
 /// Units between characters, and of a blank.
@@ -11,7 +11,7 @@ const BLANK: f32 = 1.4;
 
 type Stroke = &'static [[f32; 2]];
 
-/// The strokes of the characters that captions need; none for others.
+/// Returns the strokes of a character used in captions; none for other characters.
 fn strokes(character: char) -> &'static [Stroke] {
     match character {
         '0' => &[&[
@@ -163,12 +163,12 @@ fn width(character: char) -> f32 {
     if character == ' ' { BLANK } else { points.fold(0.0, |width: f32, point| width.max(point[0])) }
 }
 
-/// Width of a line, pixels.
+/// Returns the width of a line, pixels.
 pub fn length(text: &str) -> f32 {
     (text.chars().map(|c| width(c) + GAP).sum::<f32>() - GAP) * UNIT
 }
 
-/// Writes a line centred about a point, pixels from the top left.
+/// Writes a line centred at a point, pixels from the top left.
 pub fn write(sheet: &mut Canvas, text: &str, middle: [f32; 2], ink: [u8; 3]) {
     let (mut x, baseline) = (middle[0] - 0.5 * length(text), middle[1] + 3.0 * UNIT);
     for character in text.chars() {
@@ -195,7 +195,7 @@ pub fn write(sheet: &mut Canvas, text: &str, middle: [f32; 2], ink: [u8; 3]) {
     }
 }
 
-/// From a point to a segment.
+/// Returns the distance from a point to a segment.
 fn distance(p: [f32; 2], [a, b]: [[f32; 2]; 2]) -> f32 {
     let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = ab[0] * ab[0] + ab[1] * ab[1];

@@ -1,4 +1,4 @@
-//! The command line: one command a file, dispatched here.
+//! The command line: a command a file, dispatched here.
 //!
 //! ```text
 //!     arguments --> command --> Answer or Failure --> text or one JSON object on stdout, exit code
@@ -6,16 +6,16 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | one command each: its arguments, what it does, its answer |
+//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | a command each |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
-//! | `rules.rs` | how to simplify: what `simplify` and `build` have in common; `advice.rs`: what would get further |
-//! | `model.rs` | what is looked at: what `adapt` and `fly` know of structures that follow the view |
-//! | `camera.rs` | how to look: what `adapt` and `fly` have in common |
+//! | `rules.rs` | how to simplify: arguments common to `simplify` and `build`; `advice.rs`: options to get further |
+//! | `model.rs` | a baked model of any structure, and how it is drawn |
+//! | `camera.rs` | how to look: arguments common to `adapt` and `fly` |
 //! | `path.rs` | camera paths as text |
-//! | `files.rs` | what is read and written, checked before the work starts |
+//! | `files.rs` | reading and writing, checked before the work starts |
 //! | `output.rs` | [`Answer`](output::Answer), [`Failure`](output::Failure), exit codes |
-//! | `progress.rs` | a bar on stderr, where that is a terminal |
+//! | `progress.rs` | a bar on stderr, if it is a terminal |
 
 mod adapt;
 mod advice;
@@ -43,15 +43,15 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use output::{Failure, Run};
 
-/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, take any level,
-/// or what a view asks for, out again, and measure how far two meshes differ.
+/// Multiresolution triangle meshes: look at them, simplify them, bake all levels of detail into one file, take any level out
+/// again, or the mesh a view asks for, and measure how far two meshes differ.
 ///
-/// Mesh files are .obj, .ply, .stl, .off, .glb and .gltf, baked ones .mres. Exit codes: 0 done, 1 bad input (one line
-/// on stderr says why), 2 bad usage. An output file is written whole or not at all.
+/// Mesh files are .obj, .ply, .stl, .off, .glb and .gltf, baked files .mres. Exit codes: 0 done, 1 bad input (a line on stderr
+/// says why), 2 bad usage. An output file is written whole or not at all.
 #[derive(Parser)]
 #[command(name = "multires", version)]
 struct Cli {
-    /// Answer with one JSON object on stdout; where something is wrong it has the one key "error".
+    /// Answer with a JSON object on stdout; after a failure its only key is "error".
     #[arg(long, global = true)]
     json: bool,
     #[command(subcommand)]

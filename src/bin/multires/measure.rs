@@ -19,10 +19,10 @@ use crate::progress::Bar;
 /// Measure how far two meshes differ; A is the reference.
 ///
 /// Distances between the surfaces both ways (largest, mean and root mean square, in object units and in percent of the
-/// diagonal of A's box), enclosed volumes, areas, pairs of triangles that cross (without those that share a corner), and how
-/// far triangles are from equilateral. With --images also how
-/// different they look from all sides: K_L1 and K_L2 in grey levels of 0 to 255 over the pixels that show either mesh,
-/// and K_sil, the pixels of 512 x 512 a view that show one mesh and not the other.
+/// diagonal of A's box), enclosed volumes, areas, pairs of crossing triangles (without a common corner), and how far
+/// triangles are from equilateral. With --images also how different they look from all sides: K_L1 and K_L2 in grey levels
+/// of 0 to 255 over the pixels showing either mesh, and K_sil, the number of pixels, of 512 x 512 a view, showing only one
+/// of the meshes.
 #[derive(Args)]
 pub struct Measure {
     /// The reference.
@@ -31,21 +31,21 @@ pub struct Measure {
     /// The mesh to compare with it.
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Sample each surface at so many points, and its edges at a quarter as many.
+    /// Sample each surface at this many points, and its edges at a quarter as many.
     #[arg(long, value_name = "N", default_value_t = 500_000,
         value_parser = RangedU64ValueParser::<usize>::new().range(1..=u64::from(u32::MAX)))]
     samples: usize,
     /// Compare pictures from all sides too.
     #[arg(long)]
     images: bool,
-    /// How many sides.
+    /// Number of sides.
     #[arg(long, value_name = "N", default_value_t = 42, requires = "images",
         value_parser = RangedU64ValueParser::<usize>::new().range(1..=4096))]
     views: usize,
-    /// Write A with every vertex coloured by its distance from B, as a PLY file; the distance goes along as a property.
+    /// Write A with every vertex coloured by its distance from B, as a PLY file with the distance as a property.
     #[arg(long, visible_alias = "color", value_name = "OUT.ply")]
     colour: Option<PathBuf>,
-    /// Draw the same from the front and from the back, with its scale, as a PNG file.
+    /// Draw the coloured A from the front and from the back, with a colour scale, as a PNG file.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 }
@@ -84,7 +84,7 @@ impl Run for Measure {
         if self.colour.is_some() || self.picture.is_some() {
             bar.begin("colours", 0.8);
             let paint = Painted::new(a, b).map_err(refuse)?;
-            // All that can go wrong before anything is written.
+            // Everything that can go wrong, before anything is written.
             let picture = self.picture.as_ref().map(|path| Ok((path, paint.picture(a)?))).transpose()?;
             if let Some(path) = &self.colour {
                 files::write_mesh(path, &paint.mesh(a)?)?;
@@ -173,7 +173,7 @@ impl Run for Measure {
 }
 
 impl Measure {
-    /// A reason that names the file at fault.
+    /// Makes a reason naming the file at fault.
     fn refuse(&self, error: QualityError) -> Failure {
         match error {
             QualityError::NoSurface { which, triangles } => {
@@ -186,7 +186,7 @@ impl Measure {
     }
 }
 
-/// Puts both meshes relative to one origin: that of the first, unless it has none.
+/// Moves both meshes to a common origin: the first mesh's, unless it has none.
 fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), multires::MeshError> {
     let origin = if a.origin() == [0.0; 3] { b.origin() } else { a.origin() };
     for mesh in [a, b] {
@@ -197,7 +197,7 @@ fn common_origin(a: &mut Mesh, b: &mut Mesh) -> Result<(), multires::MeshError> 
     Ok(())
 }
 
-/// Reads a mesh; says what to do where a baked file is given.
+/// Reads a mesh. For a baked file, the error says what to do.
 fn read(path: &Path) -> Result<Imported, Failure> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mres")) {
         let path = path.display();
@@ -207,7 +207,7 @@ fn read(path: &Path) -> Result<Imported, Failure> {
     files::read_mesh(path)
 }
 
-/// What a mesh encloses, or why that cannot be said.
+/// The volume enclosed by a mesh, or why there is none.
 struct Volume {
     value: Option<f64>,
     reason: Option<String>,
@@ -235,7 +235,7 @@ impl Volume {
     }
 }
 
-/// The second in parts of the first, where that makes a number.
+/// Returns `b / a`, if it is finite.
 fn ratio([a, b]: [f64; 2]) -> Option<f64> {
     Some(b / a).filter(|r| r.is_finite())
 }
@@ -273,7 +273,7 @@ fn distance_rows(table: &mut Table, distance: &Distance) {
     }
 }
 
-/// What is said of the triangles' shapes.
+/// Rows on the triangles' shapes.
 type ShapeRow = (&'static str, fn(&ShapeReport) -> f64);
 const SHAPE: [ShapeRow; 4] = [
     ("sliver ratio, mean", |s| s.sliver_mean),
@@ -302,18 +302,18 @@ fn pair(table: &mut Table, label: &str, [a, b]: [String; 2], ratio: Option<f64>)
     grid(table, label, [a, b, ratio.map_or(String::new(), number)]);
 }
 
-/// A row of three columns.
+/// Adds a row of three columns.
 fn grid(table: &mut Table, label: &str, [a, b, c]: [String; 3]) {
     table.row(label, format!("{a:<15} {b:<15} {c}").trim_end());
 }
 
-/// Five digits that count, whatever the unit is.
+/// Formats a number with five significant digits, whatever its unit.
 pub fn number(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 || x.fract() == 0.0 && size < 1e9 {
         format!("{x}")
     } else if (1e-4..1e6).contains(&size) {
-        // Digits after the point that make five from the first that counts.
+        // Digits after the point, for five significant digits.
         let decimals = (4 - size.log10().floor() as i32).clamp(0, 8) as usize;
         format!("{x:.decimals$}")
     } else {

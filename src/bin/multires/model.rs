@@ -1,4 +1,4 @@
-//! A baked model, whatever its structure, and how the program draws it.
+//! A baked model of any structure, and how the program draws it.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use serde_json::{Value, json};
 use crate::output::Failure;
 use crate::{files, rules};
 
-/// A drawn vertex: its position, and its normal where there is one.
+/// A drawn vertex: its position, and its normal, or zeros without normals.
 pub type Vertex = [[f32; 3]; 2];
 
 /// How models are drawn.
 #[derive(Args)]
 pub struct Style {
-    /// Triangles of a wavelet mesh: the sum of its wavelets as it is, which errors are known of (exact); or the fewest, without
-    /// a vertex that is no wavelet's (minimal) [default: exact].
+    /// Triangles of a wavelet mesh: the exact sum of its wavelets, with known errors (exact); or as few as possible, with no
+    /// vertex but the wavelets' (minimal) [default: exact].
     #[arg(long, value_name = "K", value_enum)]
     triangulation: Option<Triangles>,
 }
@@ -30,7 +30,7 @@ enum Triangles {
 }
 
 impl Style {
-    /// Which triangles.
+    /// Returns the triangulation.
     pub fn triangulation(&self) -> Triangulation {
         match self.triangulation {
             None | Some(Triangles::Exact) => Triangulation::Exact,
@@ -38,7 +38,7 @@ impl Style {
         }
     }
 
-    /// The same in words; nothing for a model that has no choice.
+    /// Returns the triangulation's name; null for a model without a choice.
     pub fn name(&self, model: &Model) -> Value {
         match self.triangulation() {
             _ if !model.0.has_triangulations() => Value::Null,
@@ -47,7 +47,7 @@ impl Style {
         }
     }
 
-    /// Refuses what was asked for of a model that has no choice.
+    /// Refuses a triangulation for a model without a choice.
     pub fn check(&self, model: &Model) -> Result<(), Failure> {
         if self.triangulation.is_none() || model.0.has_triangulations() {
             return Ok(());
@@ -65,18 +65,18 @@ impl Model {
         io::read_model(path).map(Self).map_err(|error| files::baked(path, &error))
     }
 
-    /// The vertices in the structure's order.
+    /// Returns the vertices in the structure's order.
     pub fn vertices(&self) -> &Mesh {
         self.0.vertices()
     }
 
-    /// Diagonal of the box around the full resolution.
+    /// Returns the diagonal of the box around the full resolution.
     pub fn diagonal(&self) -> f64 {
         let [low, high] = self.0.bounds().unwrap_or_default();
         (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// An instance.
+    /// Makes an instance.
     pub fn instance(&self, style: &Style, options: LodOptions) -> Result<Box<dyn Lod>, Failure> {
         style.check(self)?;
         let vertices = self.vertices();
@@ -88,13 +88,13 @@ impl Model {
         self.0.instance(&values, &options).map_err(Failure::input)
     }
 
-    /// Bytes that are written for one vertex that comes into use: all that the mesh has.
+    /// Returns the bytes written for a vertex coming into use: position and all attributes.
     pub fn bytes_per_vertex(&self) -> usize {
         rules::bytes_per_vertex(self.vertices())
     }
 }
 
-/// Normals of all vertices, where there are such.
+/// Returns the normals of all vertices, if there are any.
 fn normals(mesh: &Mesh) -> Option<&[[f32; 3]]> {
     let attribute = mesh.attribute(names::NORMAL).filter(|attribute| attribute.width() == 3)?;
     match attribute.values() {

@@ -1,6 +1,6 @@
-//! What a command says and how it ends: text or one JSON object on stdout, warnings and reasons on stderr.
+//! Output and end of a command: text or a JSON object on stdout, warnings and reasons on stderr.
 //!
-//! Nothing here panics where a stream is closed: a reader that has seen enough is no error.
+//! Nothing here panics on a closed stream: a reader may stop early without an error.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -9,20 +9,20 @@ use serde_json::{Value, json};
 
 /// A command with its arguments.
 pub trait Run {
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// Whose fault it is, and why; nothing was written then.
+    /// Names who is at fault, and why. Nothing was written then.
     fn run(&self) -> Result<Answer, Failure>;
 }
 
-/// What a command found or did.
+/// Findings or work of a command.
 pub struct Answer {
     /// For programs: an object.
     pub json: Value,
-    /// For people; lines without the last line end.
+    /// For people: lines, without the last line end.
     pub text: String,
-    /// One line each, said on stderr in both cases.
+    /// A line each, printed on stderr in both cases.
     pub warnings: Vec<String>,
 }
 
@@ -35,13 +35,13 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// A file is at fault.
+    /// Makes a failure with a file at fault.
     pub fn input(reason: impl ToString) -> Self {
         Self::Input(reason.to_string())
     }
 }
 
-/// Says an answer.
+/// Prints an answer.
 pub fn answer(answer: &Answer, json: bool) -> ExitCode {
     for warning in &answer.warnings {
         complain("warning", warning);
@@ -57,7 +57,7 @@ pub fn answer(answer: &Answer, json: bool) -> ExitCode {
     }
 }
 
-/// Says why nothing was done.
+/// Prints why nothing was done.
 pub fn failure(reason: &str, json: bool) -> ExitCode {
     complain("error", reason);
     if json {
@@ -66,7 +66,7 @@ pub fn failure(reason: &str, json: bool) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Says what is wrong with the arguments, or the help or version that was asked for.
+/// Prints an error of the arguments, or the help or version.
 pub fn usage(error: &clap::Error, json: bool) -> ExitCode {
     let _ = error.print();
     if json && error.use_stderr() {
@@ -83,12 +83,12 @@ fn say(text: &str) -> io::Result<()> {
     out.flush()
 }
 
-/// One line on stderr; where even that is closed there is no one to tell.
+/// Prints a line on stderr. If stderr is closed, there is nobody to tell.
 fn complain(kind: &str, reason: &str) {
     let _ = writeln!(io::stderr().lock(), "{kind}: {}", one_line(reason));
 }
 
-/// Paths and names from files may hold anything.
+/// Replaces control characters by blanks: paths and names from files may hold anything.
 fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
@@ -100,30 +100,30 @@ pub struct Table {
 }
 
 impl Table {
-    /// One more line.
+    /// Adds a row.
     pub fn row(&mut self, label: &str, value: impl std::fmt::Display) -> &mut Self {
         self.lines.push(one_line(&format!("{label:<20} {value}")));
         self
     }
 
-    /// Lines as they are.
+    /// Adds lines as they are.
     pub fn block(&mut self, text: impl std::fmt::Display) -> &mut Self {
         self.lines.push(text.to_string());
         self
     }
 
-    /// All lines.
+    /// Returns all lines.
     pub fn text(&self) -> String {
         self.lines.join("\n")
     }
 }
 
-/// A length in percent of another; `None` (in JSON: null) where that is 0 or makes no number.
+/// Returns a length in percent of another; `None` (in JSON: null) if the result is not finite.
 pub fn percent(part: f64, whole: f64) -> Option<f64> {
     Some(100.0 * part / whole).filter(|p| p.is_finite())
 }
 
-/// An error bound for people.
+/// Formats an error bound for people.
 pub fn error_text(error: f64, percent: Option<f64>) -> String {
     match percent {
         Some(percent) => format!("{error:.6} ({percent:.4} % of the diagonal)"),

@@ -24,14 +24,14 @@ const SCALE: [u32; 2] = [480, 16];
 const TOP: u32 = 10;
 const PAPER: [u8; 3] = [247, 247, 247];
 const INK: [u8; 3] = [52, 58, 68];
-/// From where the picture looks: the first is that of `Camera::framing` in the documentation's pictures.
+/// Directions of view. The first is the direction of `Camera::framing` in the documentation's pictures.
 const DIRECTIONS: [[f64; 3]; 2] = [[-0.55, -0.42, -1.0], [0.55, -0.42, 1.0]];
-/// The name of the attribute that holds the distances.
+/// Name of the attribute holding the distances.
 const DISTANCE: &str = "distance";
 
-/// Distances and their colours, one a vertex.
+/// Distances and their colours, per vertex.
 pub struct Painted {
-    /// The largest distance of a vertex that a triangle uses: the end of the scale, object units.
+    /// Largest distance of a vertex used by a triangle: the end of the scale, object units.
     pub most: f64,
     distances: Vec<f32>,
     colours: Vec<[u8; 3]>,
@@ -45,16 +45,16 @@ impl Painted {
     pub fn new(mesh: &Mesh, other: &Mesh) -> Result<Self, QualityError> {
         let distances = quality::vertex_distances(mesh, other)?;
         let most = mesh.indices().iter().map(|&v| distances[v as usize]).fold(0.0, f64::max);
-        // In parts of the scale, so that no unit is too small or too large for single precision.
+        // In parts of the scale, so no unit is too small or too large for single precision.
         let share = |d: f64| if most > 0.0 { (d / most) as f32 } else { 0.0 };
         let colours = distances.iter().map(|&d| palette::sequential(share(d))).collect();
         Ok(Self { most, distances: distances.iter().map(|&d| d as f32).collect(), colours })
     }
 
-    /// The mesh with these colours in place of its own.
+    /// Returns the mesh with these colours in place of its own.
     ///
     /// # Errors
-    /// None that is known.
+    /// None known.
     pub fn mesh(&self, mesh: &Mesh) -> Result<Mesh, Failure> {
         let mut painted = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
         painted = painted.with_origin(mesh.origin()).map_err(Failure::input)?;
@@ -70,10 +70,10 @@ impl Painted {
         Ok(painted.with_material_names(mesh.material_names()))
     }
 
-    /// Two views of the mesh and a scale, as a PNG file.
+    /// Returns two views of the mesh and a scale, as a PNG file.
     ///
     /// # Errors
-    /// What the renderer or the encoder says.
+    /// The renderer or the encoder fails.
     pub fn picture(&self, mesh: &Mesh) -> Result<Vec<u8>, Failure> {
         let options = RenderOptions::default()
             .with_size(VIEW, VIEW)

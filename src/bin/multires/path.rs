@@ -5,14 +5,14 @@ use std::path::Path;
 use crate::camera::Point;
 use crate::output::Failure;
 
-/// One frame of a path.
+/// A frame of a path.
 pub struct Pose {
     pub frame: u64,
     pub eye: Point,
     pub target: Point,
 }
 
-/// Reads a path; an empty one is refused.
+/// Reads a path; refuses an empty path.
 pub fn read(path: &Path) -> Result<Vec<Pose>, Failure> {
     let at = |what: String| Failure::Input(format!("{}: {what}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
@@ -25,7 +25,7 @@ pub fn read(path: &Path) -> Result<Vec<Pose>, Failure> {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        // The header names the columns; a path without one starts with a number.
+        // The header names the columns; a path without a header starts with a number.
         let is_header =
             std::mem::take(&mut first) && line.split(',').all(|name| name.trim().parse::<f64>().is_err());
         if !is_header {

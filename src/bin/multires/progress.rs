@@ -1,18 +1,18 @@
-//! Progress on stderr, where that is a terminal; nothing anywhere else.
+//! Progress on stderr, if it is a terminal; else nothing.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Parts that the bar has.
+/// Number of parts of the bar.
 const PARTS: u64 = 1000;
 
-/// A bar that goes away when it is dropped.
+/// A progress bar. Disappears when dropped.
 pub struct Bar(ProgressBar);
 
 impl Bar {
-    /// A bar at the start of a stage.
+    /// Makes a bar at the start of a stage.
     pub fn new(stage: &'static str) -> Self {
         let visible = std::io::stderr().is_terminal();
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -24,20 +24,20 @@ impl Bar {
         Self(bar)
     }
 
-    /// The next stage begins, with this share of the work done.
+    /// Begins the next stage, with this share of the work done.
     pub fn begin(&self, stage: &'static str, share: f64) {
         self.0.set_message(stage);
         self.0.set_position((share * PARTS as f64) as u64);
-        // A stage says nothing until it is over; the clock goes on.
+        // A stage reports nothing until its end; the clock goes on.
         self.0.enable_steady_tick(std::time::Duration::from_millis(250));
     }
 
-    /// How far a simplification is; never asks to stop.
+    /// Shows how far a simplification is. Never asks to stop.
     pub fn show(&self, progress: multires::simplify::Progress) -> ControlFlow<()> {
         self.share(progress.fraction())
     }
 
-    /// How far anything is, 0 to 1; never asks to stop.
+    /// Shows a share of work done, 0 to 1. Never asks to stop.
     pub fn share(&self, share: f32) -> ControlFlow<()> {
         self.0.set_position((f64::from(share) * PARTS as f64) as u64);
         ControlFlow::Continue(())

@@ -1,4 +1,4 @@
-//! How to simplify: the arguments that `simplify` and `build` have in common, and the simplifier that they ask for.
+//! How to simplify: the arguments common to `simplify` and `build`, and the simplifier made from them.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
@@ -14,43 +14,44 @@ use serde_json::{Value, json};
 
 use crate::output::Failure;
 
-/// What stands for material ids where attributes are named.
+/// Stands for the material ids where attributes are named.
 const MATERIAL: &str = "material";
 
 #[derive(Args, Clone)]
 pub struct Rules {
-    /// What a collapse costs.
+    /// Cost of a collapse.
     #[arg(long, value_name = "M", default_value = "quadric", value_parser = metric_name())]
     pub metric: String,
-    /// Where the merged vertex goes: half-way, at one end (no new vertices), the better of these, or where the metric is
-    /// least [default: optimal for lindstrom-turk, else endpoint].
+    /// Place of the merged vertex: half-way, at one end (no new vertices), the better of these, or where the metric is least
+    /// [default: optimal for lindstrom-turk, else endpoint].
     #[arg(long, value_name = "P", value_enum)]
     pub placement: Option<Place>,
-    /// Always the cheapest collapse next, or batches of independent ones.
+    /// Order of collapses: always the cheapest next, or batches of independent collapses.
     #[arg(long, value_name = "O", value_enum, default_value_t = Sequence::Linear)]
     pub order: Sequence,
-    /// What the error is: how far points have travelled (quick, loose), their distance from the surface, or that and
-    /// collapses that turn out worse than foreseen put off (closest, slowest; for the quadric metric).
+    /// Measure of the error: how far points have travelled (quick, loose), their distance from the surface, or their distance
+    /// with collapses put off if they turn out worse than foreseen (closest, slowest; for the quadric metric).
     #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Measured)]
     pub error_measure: Measure,
-    /// Whether attributes steer the collapses: off, on (normals, texture coordinates and colours with the customary
-    /// weights), or NAME=WEIGHT,... where a weight is the share of the diagonal that a deviation of 1 is worth.
+    /// Whether attributes steer the collapses: off, on (normals, texture coordinates and colours with the customary weights),
+    /// or NAME=WEIGHT,... with the weight as the share of the diagonal that a deviation of 1 is worth.
     #[arg(long, value_name = "off|on|NAME=WEIGHT,...", default_value = "on", value_parser = weights)]
     pub attributes: AttributeWeights,
-    /// What becomes of normals: keep them and their seams, recompute them from each level's triangles (with the crease angle
-    /// that explains the input's best, or recompute=DEGREES), drop them and tangents, or auto: recompute where every face has
-    /// normals of its own, else keep [default: auto; keep for build, whose vertices are fixed].
+    /// Normals: keep them and their seams, recompute them from each level's triangles (with the crease angle that best
+    /// explains the input's, or recompute=DEGREES), drop them and tangents, or auto: recompute if every face has normals of
+    /// its own, else keep [default: auto; keep for build, whose vertices are fixed].
     #[arg(long, value_name = "auto|keep|recompute[=DEGREES]|drop", value_parser = normals)]
     pub normals: Option<Normals>,
-    /// Leave these attributes out, and with them their seams; "material" stands for the material ids.
+    /// Leave these attributes out, and their seams with them; "material" stands for the material ids.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub drop: Vec<String>,
-    /// Up to which differences vertices at one place are one: 16-bit (one step of 16-bit storage), exact, or KIND=T,...:
-    /// normal in degrees, uv in texels, texture (the texels of a side, 65536), color in steps of 1/255, other as a share of
-    /// the value, position in steps of 2^-23 of the largest coordinate (between open borders). "inf" is any difference.
+    /// Largest differences between vertices at the same place to merge them: 16-bit (a step of 16-bit storage), exact, or
+    /// KIND=T,...: normal in degrees, uv in texels, texture (the texels of a side, 65536), color in steps of 1/255, other as
+    /// a share of the value, position in steps of 2^-23 of the largest coordinate (between open borders). "inf" is any
+    /// difference.
     #[arg(long, value_name = "16-bit|exact|KIND=T,...", default_value = "16-bit", value_parser = Weld::parse)]
     pub weld_tolerance: Weld,
-    /// Snap positions within this distance (object units) of each other to one before anything else.
+    /// Snap positions within this distance (object units) of each other together, before anything else.
     #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
     pub weld: f64,
     /// Whether seams, creases, borders between materials and, last, the topology may give: never, where it costs least, or
@@ -60,43 +61,43 @@ pub struct Rules {
     /// Neither move nor remove vertices on open borders.
     #[arg(long)]
     pub lock_borders: bool,
-    /// Let parts that are at most this far apart (object units) grow together.
+    /// Let parts at most this far apart (object units) grow together.
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative)]
     pub join_distance: f64,
     /// Keep every separate part: none vanishes as a whole, however small it is beside the others.
     #[arg(long)]
     pub keep_parts: bool,
-    /// Refuse collapses after which the surface would cross itself where it did not: for thin shells and layers.
+    /// Refuse collapses after which the surface would cross itself at a new place: for thin shells and layers.
     #[arg(long)]
     pub keep_apart: bool,
     /// Degrees by which a collapse may turn a triangle's normal, 0 to 180.
     #[arg(long, value_name = "A", default_value_t = 78.0, value_parser = degrees)]
     pub max_turn: f64,
-    /// Quality below which collapses that make new triangles thinner wait until dearer ones are due, from 0 (any) to 1
+    /// Quality below which collapses making thinner triangles wait until dearer collapses are due, from 0 (any) to 1
     /// (equilateral only).
     #[arg(long, value_name = "Q", default_value_t = 0.01, value_parser = share)]
     pub min_quality: f64,
-    /// Whether collapses are refused that bring the error beyond what the triangles left explain.
+    /// Whether to refuse collapses with an error beyond what the remaining triangles explain.
     #[arg(long, value_name = "on|off", value_enum, default_value_t = Switch::On)]
     pub guard: Switch,
 }
 
-/// Whether something is done.
+/// A choice of on or off.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
     On,
     Off,
 }
 
-/// Rules, and which of them were given: for what knows none.
+/// Rules, and the names of the given ones: for commands that take none.
 pub struct Given {
     pub rules: Rules,
-    /// Their names on the command line.
+    /// Names of the given rules on the command line.
     names: Vec<String>,
 }
 
 impl Given {
-    /// Refuses all rules but what is done to the mesh before it is simplified.
+    /// Refuses all given rules but `drop` and `weld`, which prepare the mesh before it is simplified.
     pub fn check_unused(&self, reason: &str) -> Result<(), Failure> {
         match self.names.iter().find(|name| !["drop", "weld"].contains(&name.as_str())) {
             None => Ok(()),
@@ -130,7 +131,7 @@ impl Args for Given {
     }
 }
 
-/// Where the merged vertex goes.
+/// Place of the merged vertex.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Place {
     Midpoint,
@@ -139,14 +140,14 @@ pub enum Place {
     Optimal,
 }
 
-/// In which order collapses are done.
+/// Order of collapses.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Sequence {
     Linear,
     Batched,
 }
 
-/// What the error of a level is.
+/// Measure of a level's error.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Measure {
     Parametric,
@@ -154,7 +155,7 @@ pub enum Measure {
     Verified,
 }
 
-/// Whether seams and the like may give.
+/// Whether seams, creases, borders and the topology may give.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Gives {
     Off,
@@ -162,7 +163,7 @@ pub enum Gives {
     Auto,
 }
 
-/// Which attributes count.
+/// Parses the weights of attributes.
 fn weights(text: &str) -> Result<AttributeWeights, String> {
     match text {
         "off" => return Ok(AttributeWeights::Off),
@@ -176,7 +177,7 @@ fn weights(text: &str) -> Result<AttributeWeights, String> {
     text.split(',').map(one).collect::<Result<_, String>>().map(AttributeWeights::Chosen)
 }
 
-/// Up to which differences vertices are one, and the text that said so.
+/// Largest differences between vertices to merge, and the argument's text.
 #[derive(Clone)]
 pub struct Weld {
     tolerances: Tolerances,
@@ -220,19 +221,19 @@ impl Place {
 }
 
 impl Rules {
-    /// Where the merged vertex goes, as asked for or as suits the metric.
+    /// Returns the place of the merged vertex, as asked for or as suits the metric.
     pub fn place(&self) -> Place {
         let suits = if self.metric == "lindstrom-turk" { Place::Optimal } else { Place::Endpoint };
         self.placement.unwrap_or(suits)
     }
 
-    /// The mesh as it is to be simplified: without what is to be left out, near positions snapped.
+    /// Prepares the mesh for simplification: drops attributes, snaps near positions.
     pub fn prepared(&self, mesh: Mesh) -> Result<Mesh, Failure> {
         let mesh = self.dropped(mesh)?;
         Ok(if self.weld > 0.0 { mesh.welded(self.weld) } else { mesh })
     }
 
-    /// The mesh without what is to be left out.
+    /// Returns the mesh without dropped attributes.
     pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
         let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
         if self.drop.is_empty() {
@@ -257,7 +258,7 @@ impl Rules {
         Ok(result)
     }
 
-    /// The simplifier asked for, with no target yet.
+    /// Makes the simplifier, with no target yet.
     pub fn simplifier(
         &self,
         place: Place,
@@ -304,7 +305,7 @@ impl Rules {
         Ok(if self.keep_apart { simplifier.oracle(SelfIntersection::new()) } else { simplifier })
     }
 
-    /// What was asked for, for JSON.
+    /// Describes the rules, for JSON.
     pub fn describe(&self, place: Place) -> Vec<(&'static str, Value)> {
         let attributes = match &self.attributes {
             AttributeWeights::Off => json!("off"),
@@ -329,7 +330,7 @@ impl Rules {
         ]
     }
 
-    /// The same for people.
+    /// Describes the rules, for people.
     pub fn describe_text(&self, place: Place) -> String {
         let (order, measure) = (self.order_name(), self.measure_name());
         format!("{}, {} placement, {order} order, {measure} error", self.metric, place.name())
@@ -358,14 +359,14 @@ impl Rules {
         }
     }
 
-    /// Which rules stood in the way where nothing legal was left. What would help: `advice.rs`.
+    /// Names the rules in the way where nothing legal was left. For remedies see `advice.rs`.
     pub fn obstacles(report: &SimplifyReport) -> String {
         let list = |number: fn(&Refusal) -> u64| {
             let some = report.refusals.iter().filter(|r| number(r) > 0);
             let lines: Vec<String> = some.map(|r| format!("{} {}", r.oracle, number(r))).collect();
             lines.join(", ")
         };
-        // What is refused in the end says most; what was on the way says something.
+        // Refusals at the end say most; refusals on the way say something.
         match (list(|r| r.standing), list(|r| r.count)) {
             (standing, _) if !standing.is_empty() => {
                 format!("no legal collapse is left; refused there: {standing}")
@@ -378,7 +379,7 @@ impl Rules {
     }
 }
 
-/// What became of normals, for JSON and for people.
+/// Describes the treatment of normals, for JSON and for people.
 pub fn normals_done(report: &SimplifyReport) -> (Value, String) {
     match report.normals {
         NormalsDone::Recomputed(creases) => {
@@ -391,19 +392,19 @@ pub fn normals_done(report: &SimplifyReport) -> (Value, String) {
     }
 }
 
-/// A report's refusals, for JSON.
+/// Lists a report's refusals, for JSON.
 pub fn refusals(report: &SimplifyReport) -> Vec<Value> {
     let one = |r: &Refusal| json!({ "oracle": r.oracle, "count": r.count, "standing": r.standing });
     report.refusals.iter().map(one).collect()
 }
 
-/// What was given up, for JSON.
+/// Lists constraints given up, for JSON.
 pub fn given_up(report: &SimplifyReport) -> Value {
     let GivenUp { seams, creases, materials, topology, .. } = report.given_up;
     json!({ "seams": seams, "creases": creases, "materials": materials, "topology": topology })
 }
 
-/// The same for people; `None` where nothing was.
+/// Lists constraints given up, for people; `None` if there are none.
 pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
     let GivenUp { seams, creases, materials, topology, .. } = report.given_up;
     let parts =
@@ -413,7 +414,7 @@ pub fn given_up_text(report: &SimplifyReport) -> Option<String> {
     (!list.is_empty()).then(|| list.join(", "))
 }
 
-/// Why a simplification stopped.
+/// Returns the name of a simplification's stop reason.
 pub fn stop_name(stop: StopReason) -> &'static str {
     match stop {
         StopReason::Target => "target",
@@ -425,7 +426,7 @@ pub fn stop_name(stop: StopReason) -> &'static str {
     }
 }
 
-/// Bytes of one vertex: position and attributes.
+/// Returns the bytes of a vertex: position and attributes.
 pub fn bytes_per_vertex(mesh: &Mesh) -> usize {
     size_of::<[f32; 3]>() + mesh.attributes().iter().map(|a| 4 * a.width()).sum::<usize>()
 }
@@ -439,12 +440,12 @@ fn number(text: &str, range: impl std::ops::RangeBounds<f64>, expected: &str) ->
     parsed.ok_or_else(|| format!("not {expected}"))
 }
 
-/// A number from 0 to 1.
+/// Parses a number from 0 to 1.
 pub fn share(text: &str) -> Result<f64, String> {
     number(text, 0.0..=1.0, "a number from 0 to 1")
 }
 
-/// A finite number that is not below 0.
+/// Parses a finite number of at least 0.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text, 0.0.., "a number of 0 or more")
 }

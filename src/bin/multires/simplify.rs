@@ -1,4 +1,4 @@
-//! `multires simplify`: one level of detail from a mesh.
+//! `multires simplify`: a level of detail from a mesh.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,11 +15,11 @@ use crate::output::{Answer, Failure, Run, Table, error_text, percent};
 use crate::progress::Bar;
 use crate::rules::{self, Rules, not_negative, share};
 
-/// Simplify a mesh until a target is reached; with several targets, the first one.
+/// Simplify a mesh until a target is reached; with several targets, the first reached.
 ///
-/// Seams, materials, borders and the topology are kept as far as a size asked for allows: see --permissive. Where no legal
-/// collapse is left before the target is reached, the mesh is written as it is then, and a warning says which rules stood
-/// in the way.
+/// Seams, materials, borders and the topology are kept as far as a size asked for allows: see --permissive. If no legal
+/// collapse is left before the target is reached, the mesh is written in that state, and a warning names the rules in the
+/// way.
 #[derive(Args)]
 pub struct Simplify {
     /// The mesh file to read.
@@ -35,13 +35,13 @@ pub struct Simplify {
     no_growth: bool,
     #[command(flatten)]
     rules: Rules,
-    /// What values the attributes of the written mesh have: fitted to the whole surface of the input, or those that its
-    /// vertices had there.
+    /// Attribute values of the written mesh: fitted to the whole surface of the input (fitted), or its vertices' values in
+    /// the input (kept).
     #[arg(long, value_name = "V", value_enum, default_value_t = Values::Fitted)]
     attribute_values: Values,
 }
 
-/// What values attributes have.
+/// Source of attribute values.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Values {
     Fitted,
@@ -60,10 +60,10 @@ impl Values {
 #[derive(Args)]
 #[group(required = true, multiple = true)]
 struct Targets {
-    /// At most so many triangles.
+    /// At most this many triangles.
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
-    /// At most so many vertices.
+    /// At most this many vertices.
     #[arg(long, value_name = "N")]
     vertices: Option<usize>,
     /// At most this share of the triangles, 0 to 1.
@@ -72,10 +72,10 @@ struct Targets {
     /// As few triangles as possible while the error stays within this, object units.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     error: Option<f64>,
-    /// The same in percent of the diagonal of the mesh's box.
+    /// As few triangles as possible while the error stays within this, in percent of the diagonal of the mesh's box.
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
-    /// At most so many bytes as an indexed mesh with 32-bit indices, all attributes and 4 bytes a number.
+    /// At most this many bytes as an indexed mesh with 32-bit indices, all attributes and 4 bytes a number.
     #[arg(long, value_name = "B")]
     bytes: Option<usize>,
 }
@@ -133,7 +133,7 @@ impl Run for Simplify {
 
         let report = sequence.report();
         let diagonal = mesh.diagonal();
-        // What has grown lies off the surface by as much.
+        // Grown parts lie off the surface by as much.
         let error = report.error.max(growth.distance);
         let error_percent = percent(f64::from(error), diagonal);
         let share = percent(level.triangles().len() as f64, mesh.triangles().len() as f64);
@@ -206,12 +206,12 @@ impl Run for Simplify {
     }
 }
 
-/// What an attribute is off by, for JSON.
+/// Describes an attribute's deviation, for JSON.
 fn deviation(d: &AttributeDeviation) -> Value {
     json!({ "name": d.name, "mean": d.mean, "max": d.max, "unit": unit(&d.name) })
 }
 
-/// The unit of a deviation.
+/// Returns the unit of a deviation.
 fn unit(name: &str) -> &'static str {
     match name {
         names::NORMAL => "degrees",

@@ -1,6 +1,6 @@
-//! Values out of buffers: accessors with strides, normalised whole numbers and sparse parts (glTF 2.0, 3.6.2).
+//! Reading values from buffers: accessors with strides, normalised integers and sparse parts (glTF 2.0, 3.6.2).
 //!
-//! Every range is compared with its view, and every view with its buffer, before a byte is read.
+//! Checks each range against its view, and each view against its buffer, before reading a byte.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use gltf_json::validation::Checked;
 use super::document::{Document, size};
 use crate::io::error::ReadError;
 
-/// The first value in `bytes`, which holds one component at least.
+/// Returns the first value in `bytes`; `bytes` holds at least one component.
 fn value(kind: ComponentType, bytes: &[u8]) -> f64 {
     let mut word = [0; 4];
     word[..kind.size()].copy_from_slice(&bytes[..kind.size()]);
@@ -24,7 +24,7 @@ fn value(kind: ComponentType, bytes: &[u8]) -> f64 {
     }
 }
 
-/// What a normalised value of 1 is stored as (glTF 2.0, 3.11).
+/// Returns the stored integer of a normalised value of 1 (glTF 2.0, 3.11).
 fn one(kind: ComponentType) -> f64 {
     match kind {
         ComponentType::I8 => 127.0,
@@ -40,12 +40,12 @@ fn one(kind: ComponentType) -> f64 {
 pub(super) struct Shape {
     pub component: ComponentType,
     pub normalized: bool,
-    /// Components of an element.
+    /// Components per element.
     pub width: usize,
 }
 
 impl Shape {
-    /// Whether values may be blended: floats, or whole numbers that stand for shares.
+    /// Tests if values may be interpolated: floats, or normalised integers.
     pub fn is_float(self) -> bool {
         self.normalized || self.component == ComponentType::F32
     }
@@ -55,7 +55,7 @@ impl Shape {
     }
 }
 
-/// All that accessors refer to.
+/// The document and the buffers accessors refer to.
 pub(super) struct Store<'a> {
     pub document: &'a Document,
     buffers: &'a [Cow<'a, [u8]>],
@@ -67,7 +67,7 @@ impl<'a> Store<'a> {
         Self { document, buffers, bytes: buffers.iter().map(|b| b.len()).sum() }
     }
 
-    /// Bytes of all buffers.
+    /// Returns the total size of all buffers, bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
@@ -78,7 +78,8 @@ impl<'a> Store<'a> {
         self.document.accessors.get(index).ok_or_else(missing)
     }
 
-    /// Number of elements; no more than the buffers could hold, so that a count cannot make a reader reserve without limit.
+    /// Returns the number of elements. Rejects a count above the bytes of all buffers, so a count cannot cause
+    /// unlimited memory use.
     pub fn count(&self, index: usize) -> Result<usize, ReadError> {
         let count = size(self.accessor(index)?.count);
         let bytes = self.bytes;
@@ -97,14 +98,14 @@ impl<'a> Store<'a> {
             return Err(ReadError::invalid(format!("accessor {index} is of a type that glTF does not have")));
         };
         let (component, width) = (component.0, kind.multiplicity());
-        // Columns of small matrices are padded, which nothing that we read uses.
+        // Columns of matrices with small components are padded; this reader needs no such matrix.
         if matches!(kind, Type::Mat2 | Type::Mat3 | Type::Mat4) && component.size() < 4 {
             return Err(ReadError::unsupported(format!("accessor {index} is a matrix of small components")));
         }
         Ok(Shape { component, normalized: accessor.normalized, width })
     }
 
-    /// Calls `put(element, component, value)` for every value; normalised ones are shares already.
+    /// Calls `put(element, component, value)` for every value; normalised integers are converted to floats.
     pub fn values(&self, index: usize, mut put: impl FnMut(usize, usize, f64)) -> Result<(), ReadError> {
         let (accessor, shape, count) = (self.accessor(index)?, self.shape(index)?, self.count(index)?);
         let component = shape.component.size();
@@ -144,7 +145,7 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// The bytes of `count` elements of `width` bytes, and the step from one to the next.
+    /// Returns the bytes of `count` elements of `width` bytes, and the stride between elements.
     fn range(
         &self,
         accessor: usize,

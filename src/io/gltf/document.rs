@@ -1,13 +1,13 @@
-//! The container side of glTF 2.0: GLB chunks, the part of the JSON that shapes geometry, and the buffers.
+//! The container of glTF 2.0: GLB chunks, the geometric part of the JSON, and the buffers.
 //!
-//! Meshes, accessors, views and buffers are structures of `gltf-json`; none of its indices is trusted, all are checked
-//! where they are used. (It keeps the low 32 bits of an index: one beyond 2^32 names something else.) Scenes and nodes
-//! are our own, since it has transforms in single precision, in which a mesh on a map loses its place before the origin
-//! can be moved, and no scenes without nodes. Whatever is no geometry is passed over, so that no animation, texture or
-//! extension that it does not know refuses a mesh.
+//! Meshes, accessors, views and buffers are structures of `gltf-json`. Its indices are checked at every use. (It keeps
+//! the low 32 bits of an index: an index beyond 2^32 names another element.) Scenes and nodes are our own structures:
+//! `gltf-json` stores transforms in single precision, so a mesh on a map would lose its place before the origin is
+//! moved, and rejects scenes without nodes. All content other than geometry is skipped, so an unknown animation,
+//! texture or extension does not make a mesh unreadable.
 //!
-//! The container is our own, since `gltf` refuses a chunk it does not know, which readers are to pass over (glTF 2.0,
-//! 4.4.3), and does not look at lengths before it subtracts from them.
+//! The GLB parser is our own: `gltf` rejects unknown chunks (glTF 2.0, 4.4.3: readers must ignore them), and subtracts
+//! from lengths without checking them.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -37,7 +37,7 @@ pub(super) struct Document {
     pub extensions_required: Vec<String>,
 }
 
-/// Of a material only its name matters.
+/// A material: only its name is used.
 #[derive(Debug, Deserialize)]
 pub(super) struct Named {
     #[serde(default)]
@@ -55,23 +55,23 @@ pub(super) struct Node {
     pub mesh: Option<usize>,
     #[serde(default)]
     pub children: Vec<usize>,
-    /// Apart, as most nodes have none.
+    /// Boxed, since most nodes have no matrix.
     pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
 }
 
-/// A size or an offset in a document, to be compared with what is there.
+/// Converts a size or offset of a document, to be checked against the bytes present.
 pub(super) fn size(value: USize64) -> usize {
     usize::try_from(value.0).unwrap_or(usize::MAX)
 }
 
-/// Extensions that replace buffers by a coding of their own.
+/// Extensions replacing buffers by their own encoding.
 const COMPRESSED: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// The document of a .gltf or .glb file, and the binary chunk of the latter.
+/// Parses the document of a .gltf or .glb file; returns it with the binary chunk of a .glb file.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), ReadError> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
     let json = crate::io::text::without_mark(json);
@@ -88,7 +88,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), ReadError
     }
 }
 
-/// Splits a GLB file (glTF 2.0, 4.4) into its JSON and its binary chunk; further chunks are passed over.
+/// Splits a GLB file (glTF 2.0, 4.4) into its JSON and its binary chunk; skips further chunks.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
     let word = |at: usize| {
         let found = bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
@@ -127,7 +127,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
     Ok((json, None))
 }
 
-/// The bytes of all buffers: the binary chunk, data URIs, and files beside the document. Images are never opened.
+/// Returns the bytes of all buffers: the binary chunk, data URIs, and files beside the document. Never opens images.
 pub(super) fn buffers<'a>(
     document: &Document,
     chunk: Option<&'a [u8]>,
@@ -158,8 +158,8 @@ pub(super) fn buffers<'a>(
     Ok(all)
 }
 
-/// A file beside the document or below it; one elsewhere is no business of a model's. Each is read once: a document
-/// that names one again and again would multiply it.
+/// Reads a file in the document's directory or below it; rejects paths elsewhere. Each file is read once: a document
+/// naming a file repeatedly would multiply its size.
 fn read_file(
     i: usize,
     uri: &str,
@@ -182,14 +182,14 @@ fn read_file(
     }
     let fail = |source| ReadError::Io { path: path.clone(), source };
     let file = std::fs::File::open(&path).map_err(fail)?;
-    // The buffer's own length bounds what is read, the file's length what is reserved.
+    // The buffer's declared length bounds the bytes read; the file's length bounds the memory reserved.
     let there = file.metadata().map_err(fail)?.len();
     let mut bytes = Vec::with_capacity(length.min(usize::try_from(there).unwrap_or(usize::MAX)));
     file.take(length as u64).read_to_end(&mut bytes).map_err(fail)?;
     Ok(bytes)
 }
 
-/// What follows `data:`; base64 (RFC 4648, section 4) only, as glTF asks, with or without padding.
+/// Decodes the text after `data:`; base64 only (RFC 4648, section 4), as glTF requires, with or without padding.
 fn decode_data(data: &str) -> Option<Vec<u8>> {
     let config = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)

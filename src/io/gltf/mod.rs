@@ -1,4 +1,4 @@
-//! glTF 2.0 and GLB: a scene's meshes as one, in world space.
+//! glTF 2.0 and GLB: all meshes of a scene as a single mesh, in world space.
 //!
 //! | file | idea |
 //! |---|---|
@@ -8,13 +8,14 @@
 //! | `mod.rs` | primitives to a mesh; attributes' names |
 //! | `write.rs` | a mesh to a file |
 //!
-//! Read: triangles, strips and fans of every mesh that a node of the scene shows, once for each such node, positions
-//! and normals taken to world space (triangles turned where that mirrors). Skins and morph targets are not applied: a
-//! skinned mesh is in bind pose at its node. Material ids are the document's, with their names; where only some
-//! primitives have one, the others' id is the number of materials. Primitives with the same accessors share vertices.
+//! Read: triangles, strips and fans of every mesh shown by a node of the scene, once for each such node. Positions and
+//! normals are transformed to world space; triangles are flipped if the transform mirrors. Skins and morph targets are
+//! not applied: a skinned mesh is in bind pose at its node. Material ids and names are the document's. If only some
+//! primitives have a material, the other primitives get the number of materials as id. Primitives with equal accessors
+//! share vertices.
 //!
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
-//! `_NAME` one called `NAME`; where a primitive lacks one, zeros stand. Images are never opened.
+//! `_NAME` an attribute called `NAME`. Primitives lacking an attribute get zeros. Images are never opened.
 
 mod accessor;
 mod document;
@@ -36,8 +37,8 @@ use accessor::{Shape, Store};
 use document::Document;
 pub(super) use write::write;
 
-/// Reads a whole file; buffers in files of their own are looked for in `directory`. O(n) in file and result, and the
-/// result is bounded by a multiple of the bytes read, however often the scene shows a mesh.
+/// Reads a whole file; external buffers are read from `directory`. O(n) in file and result. The result is bounded by a
+/// multiple of the bytes read, for any number of instances of a mesh.
 pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draft, ReadError> {
     let (document, chunk) = document::parse(bytes)?;
     let buffers = document::buffers(&document, chunk, directory)?;
@@ -51,7 +52,7 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draft, Read
         streams: streams(&document, &store, &shown)?,
         draft: Draft::default(),
         has_materials: primitives(&document, &shown).any(|(_, p)| p.material.is_some()),
-        // 64 MiB and a generous multiple: scenes show a mesh many times for good reasons too.
+        // 64 MiB plus a generous multiple: legitimate scenes show a mesh many times, too.
         budget: (1 << 26) + 256 * (bytes.len() as u64 + store.bytes() as u64),
         loose: Tally::default(),
         other_modes: Tally::default(),
@@ -67,7 +68,7 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draft, Read
     Ok(draft)
 }
 
-/// All primitives of the meshes shown, with the mesh's index.
+/// Returns all primitives of the meshes shown, with the index of the mesh.
 fn primitives<'a>(document: &'a Document, shown: &'a [bool]) -> impl Iterator<Item = (usize, &'a Primitive)> {
     let meshes = document.meshes.iter().enumerate().filter(|(i, _)| shown[*i]);
     meshes.flat_map(|(i, mesh)| mesh.primitives.iter().map(move |p| (i, p)))
@@ -108,12 +109,12 @@ impl Stream {
     }
 }
 
-/// The customary name of a set: `uv`, `uv1`, `uv2`.
+/// Returns the customary name of a set: `uv`, `uv1`, `uv2`.
 fn numbered(base: &str, set: u32) -> String {
     if set == 0 { base.to_owned() } else { format!("{base}{set}") }
 }
 
-/// The semantic for one of the customary attributes, if it is one of the right width.
+/// Returns the semantic of a customary attribute; `None` for other names or widths.
 fn semantic(name: &str, width: usize) -> Option<Semantic> {
     match name {
         names::NORMAL => return (width == 3).then_some(Semantic::Normals),
@@ -133,7 +134,7 @@ fn semantic(name: &str, width: usize) -> Option<Semantic> {
     })
 }
 
-/// The name and layout of the attribute that a semantic stands for; none for positions.
+/// Returns the name and layout of the attribute for a semantic; `None` for positions.
 fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, usize, AttributeValues)> {
     let (float, uint) = (AttributeValues::Float(Vec::new()), AttributeValues::Uint(Vec::new()));
     Some(match semantic {
@@ -145,7 +146,7 @@ fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, usize, Attrib
         Semantic::Joints(set) => (numbered(names::JOINTS, *set), 4, uint),
         Semantic::Weights(set) => (numbered(names::WEIGHTS, *set), 4, float),
         Semantic::Extras(own) => {
-            // An application's own name must not be taken for one of ours.
+            // An application's own name must not be mistaken for a customary name.
             let taken = own.is_empty() || (1..=4).any(|width| self::semantic(own, width).is_some());
             let name = if taken { semantic.to_string() } else { own.clone() };
             let values = match (shape.is_float(), shape.is_signed()) {
@@ -158,7 +159,7 @@ fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, usize, Attrib
     })
 }
 
-/// A primitive's attributes that have a meaning, with their accessors.
+/// Returns a primitive's attributes with a valid semantic, with their accessors.
 fn attributes(primitive: &Primitive) -> impl Iterator<Item = (&Semantic, usize)> {
     primitive.attributes.iter().filter_map(|(semantic, accessor)| match semantic {
         Checked::Valid(semantic) => Some((semantic, accessor.value())),
@@ -166,9 +167,9 @@ fn attributes(primitive: &Primitive) -> impl Iterator<Item = (&Semantic, usize)>
     })
 }
 
-/// The attributes that any primitive has, each as wide as its widest; floats where primitives disagree.
+/// Returns the attributes present in any primitive, each with its largest width; floats if primitives differ in type.
 fn streams(document: &Document, store: &Store, shown: &[bool]) -> Result<Vec<Stream>, ReadError> {
-    // In order of the names that the file has.
+    // Sorted by the names in the file.
     let mut found: BTreeMap<String, Stream> = BTreeMap::new();
     for (_, primitive) in primitives(document, shown).filter(|(_, p)| is_surface(p)) {
         for (semantic, accessor) in attributes(primitive) {
@@ -193,10 +194,11 @@ fn streams(document: &Document, store: &Store, shown: &[bool]) -> Result<Vec<Str
     Ok(found.into_values().collect())
 }
 
-/// Every attribute gets a value for every vertex, so many different ones in small primitives would multiply the file.
+/// Most attributes. Every attribute gets a value for every vertex, so many attributes in small primitives would
+/// multiply the file's size.
 const MAX_STREAMS: usize = 64;
 
-/// What primitives that share vertices have in common.
+/// The accessors of a primitive: primitives with equal accessors share vertices.
 type Accessors = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 struct Builder<'a> {
@@ -249,7 +251,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Counts bytes that the result will take: twice its size, as arrays grow by doubling.
+    /// Counts bytes of the result against the budget: twice its size, as arrays grow by doubling.
     fn spend(&mut self, bytes: usize) -> Result<(), ReadError> {
         let left = self.budget.checked_sub(bytes as u64);
         self.budget = left
@@ -257,7 +259,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Adds the vertices of a primitive: their first, and how many.
+    /// Adds the vertices of a primitive; returns the first vertex and their number.
     fn vertices(
         &mut self,
         mesh: usize,
@@ -291,7 +293,7 @@ impl<'a> Builder<'a> {
                 return Err(ReadError::invalid(what));
             }
             if name.starts_with(names::COLOR) && shape.width == 3 {
-                // No alpha is opaque.
+                // Without alpha: opaque.
                 (0..count).for_each(|v| stream.put(base + v, 3, 1.0));
             }
             self.store.values(accessor, |v, component, value| stream.put(base + v, component, value))?;
@@ -302,7 +304,7 @@ impl<'a> Builder<'a> {
         Ok((base, count))
     }
 
-    /// Adds the triangles of a primitive, whose vertices are `base..base + count`.
+    /// Adds the triangles of a primitive with vertices `base..base + count`.
     fn triangles(
         &mut self,
         mesh: usize,
@@ -350,7 +352,7 @@ impl<'a> Builder<'a> {
                 }
                 triangles.extend(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
             }
-            // A strip's degenerate triangles only bring it to another place.
+            // Degenerate triangles of a strip only move it to another place.
             Checked::Valid(Mode::TriangleStrip) => {
                 let strip = corners.windows(3).enumerate();
                 triangles.extend(strip.map(|(i, c)| [c[i % 2], c[1 - i % 2], c[2]]).filter(distinct));
@@ -365,12 +367,12 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Takes normals and tangents from `first` on to world space: normals by the inverse transpose, tangents as directions in
-/// the surface; a mirror changes the handedness of the latter.
+/// Transforms normals and tangents from vertex `first` on to world space: normals by the inverse transpose, tangents as
+/// directions in the surface. A mirror flips the handedness of tangents.
 fn turn(stream: &mut Stream, first: usize, world: DMat4) {
     let linear = DMat3::from_mat4(world);
     let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-    // The inverse transpose up to scale, which exists for flat transforms too.
+    // The inverse transpose up to scale: exists for flat transforms too.
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
     let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
     let matrix = match stream.name.as_str() {

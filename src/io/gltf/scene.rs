@@ -1,20 +1,21 @@
-//! Nodes and their world transforms (glTF 2.0, 3.5): which meshes a scene shows, and where.
+//! Nodes and their world transforms (glTF 2.0, 3.5): the meshes shown by a scene, and their placement.
 //!
-//! The walk uses a stack of its own, so that no depth overflows, and visits no node twice: a node has one parent at most.
+//! The walk uses an explicit stack, so no depth overflows. A node has at most one parent, so a second visit is an
+//! error.
 
 use glam::{DMat4, DQuat, DVec3};
 
 use super::document::{Document, Node};
 use crate::io::error::ReadError;
 
-/// A mesh that a node shows.
+/// A mesh shown by a node.
 pub(super) struct Instance {
     pub mesh: usize,
     pub world: DMat4,
 }
 
-/// The meshes of the default scene, else the first, else of all nodes without a parent; depth first, in the document's
-/// order. A document without nodes shows each mesh once.
+/// Returns the meshes of the default scene, else of the first scene, else of all nodes without a parent. Order: depth
+/// first, as in the document. A document without nodes shows each mesh once.
 pub(super) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError> {
     let (nodes, meshes) = (document.nodes.len(), document.meshes.len());
     if nodes == 0 {

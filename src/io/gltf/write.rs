@@ -1,7 +1,8 @@
-//! A mesh to glTF 2.0: one node, moved to the mesh's origin, one mesh, a primitive for each material, all sharing the same vertices.
+//! Writing glTF 2.0: a single node at the mesh's origin, a single mesh, a primitive for each material, all primitives
+//! sharing the vertices.
 //!
-//! Triangles keep their order within a material. Attributes that glTF has no semantic for are written as `_name`; whole
-//! numbers as 16 bits, or as floats where those hold them exactly. Locks are left out. Vertices of a mesh without
+//! Triangles keep their order within a material. Attributes without a glTF semantic are written as `_name`. Integers
+//! are written as 16 bits, or as floats if floats hold them exactly. Locks are not written. Vertices of a mesh without
 //! triangles are written as points.
 
 use std::collections::BTreeMap;
@@ -14,10 +15,10 @@ use super::semantic;
 use crate::io::error::WriteError;
 use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
-/// Most materials: each takes an entry in the document, named or not.
+/// Most materials: each takes an entry in the document, with or without a name.
 const MAX_MATERIALS: u32 = 1 << 16;
 
-/// The file as bytes: a .glb, or a .gltf with its buffer inside.
+/// Encodes a mesh as a .glb, or as a .gltf with an embedded buffer.
 pub(in crate::io) fn write(mesh: &Mesh, binary: bool) -> Result<Vec<u8>, WriteError> {
     let mut file = File::default();
     if !mesh.positions().is_empty() {
@@ -70,7 +71,7 @@ impl File {
         self.accessors[position]["min"] = json!(low.map(f64::from));
         self.accessors[position]["max"] = json!(high.map(f64::from));
         attributes.insert("POSITION".to_owned(), position);
-        // Which of a caller's vertices are one is no value of the model's.
+        // The `vertex` attribute (identity of the caller's vertices) is not written.
         for attribute in mesh.attributes().iter().filter(|a| a.name() != names::VERTEX) {
             let semantic = semantic_of(attribute);
             let accessor = self.attribute(attribute, mesh.positions().len())?;
@@ -126,7 +127,8 @@ impl File {
         Ok(())
     }
 
-    /// Puts bytes into the buffer, `size` an element, and describes them.
+    /// Appends bytes to the buffer, `size` bytes an element, and adds their view and accessor; returns the accessor's
+    /// index.
     fn accessor(
         &mut self,
         bytes: &[u8],
@@ -177,7 +179,7 @@ impl File {
         let (component, size) = match (is_signed, low, high) {
             (true, -0x8000.., ..=0x7fff) => (5122, 2),
             (false, _, ..=0xffff) => (5123, 2),
-            // Joints must be whole numbers; anything else may be floats that hold the same.
+            // Joints must be integers; other attributes may become floats of equal value.
             (_, -0x0100_0000.., ..=0x0100_0000) if semantic_of(attribute).starts_with('_') => (5126, 4),
             _ => return Err(unsupported(format!("attribute {name:?} with values from {low} to {high}"))),
         };
@@ -200,7 +202,7 @@ fn range(values: impl Iterator<Item = i64>) -> (i64, i64) {
     values.fold((0, 0), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// glTF's own name where there is one for values of this kind, else `_name`.
+/// Returns the glTF semantic for the attribute's name and type, else `_name`.
 fn semantic_of(attribute: &Attribute) -> String {
     let own = || format!("_{}", attribute.name());
     let known = semantic(attribute.name(), attribute.width()).map(|s| s.to_string());
@@ -210,7 +212,7 @@ fn semantic_of(attribute: &Attribute) -> String {
     known.filter(|s| is_right(s) && (is_float || s.starts_with("JOINTS_"))).unwrap_or_else(own)
 }
 
-/// The triangles in runs of one material each, in order of first appearance.
+/// Runs of triangles of equal material, in order of first appearance.
 type Runs = Vec<(Option<u32>, std::ops::Range<usize>)>;
 
 fn by_material(mesh: &Mesh) -> (Runs, Vec<u32>) {

@@ -1,6 +1,6 @@
-//! The elements of a PLY file to a mesh: `vertex`, `face` and `tristrips` in any order, all others passed over.
+//! The elements of a PLY file to a mesh: `vertex`, `face` and `tristrips` in any order; other elements are skipped.
 //!
-//! Every declared count is compared with the bytes left before anything is reserved for it.
+//! Checks every declared count against the bytes left before reserving memory for it.
 
 use super::header::{Element, Encoding, Header, Kind, Property};
 use crate::io::draft::{Draft, Tally};
@@ -9,7 +9,7 @@ use crate::io::polygon::Polygons;
 use crate::io::text::{Words, number, quoted};
 use crate::mesh::{Attribute, AttributeValues, NONE, names};
 
-/// More properties than this in one element are refused: no scanner has them, and names are compared pairwise.
+/// Most properties of an element, against hostile files: names are compared pairwise.
 const MAX_PROPERTIES: usize = 1024;
 
 pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Draft, ReadError> {
@@ -23,7 +23,7 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Draft, ReadError> {
     let mut draft = Draft { material_names: header.material_names.clone(), ..Draft::default() };
     let mut source = Source::new(header, bytes);
     let mut faces = Faces::new(bytes.len());
-    // Faces above the vertices wait until those are known.
+    // Faces before the vertices wait until the vertices are known.
     let mut waiting = Vec::new();
     let mut vertices_known = false;
     for element in &header.elements {
@@ -55,12 +55,12 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// A whole-number value as a share of its largest.
+/// Converts an integer to a share of its type's largest value.
 pub(super) fn unit(value: f64, maximum: f64) -> f32 {
     (value / maximum) as f32
 }
 
-/// The values of the body, one after the other, in whichever encoding.
+/// Values of the body in order, in any encoding.
 #[derive(Clone)]
 struct Source<'a> {
     encoding: Encoding,
@@ -82,7 +82,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// That as many entries as declared can be there at all.
+    /// Checks that the bytes left can hold the declared number of entries.
     fn check(&self, element: &Element) -> Result<(), ReadError> {
         let (least, left) = (element.least_size(self.encoding), self.left());
         // The last word of a text needs no blank after it.
@@ -97,7 +97,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// So many bytes of a binary file.
+    /// Reads `size` bytes of a binary file.
     fn take(&mut self, size: usize) -> Result<&'a [u8], ReadError> {
         let left = &self.bytes[self.at..];
         if size > left.len() {
@@ -121,7 +121,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The length of a list, of which each entry takes a byte at least, and all of them are there.
+    /// Reads the length of a list. Checks it against the bytes left, at least 1 byte an entry.
     fn list(&mut self, count: Kind, kind: Kind) -> Result<usize, ReadError> {
         let count = self.value(count)?;
         let least = if self.encoding == Encoding::Text { 1 } else { kind.size() };
@@ -175,25 +175,25 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Where the values of a vertex property go.
+/// Destination of the values of a vertex property.
 #[derive(Clone, Copy)]
 enum Target {
     Nowhere,
     Position(usize),
-    /// An attribute, a component of it, and what is its 1.
+    /// Index of the attribute, component, and divisor of integers (their type's largest value).
     Attribute(usize, usize, Option<f64>),
 }
 
-/// An attribute and the properties that make it up.
+/// An attribute and its properties.
 struct Group {
     name: String,
     properties: Vec<usize>,
-    /// Whole-number values are shares of their type's largest.
+    /// Integers are divided by their type's largest value.
     is_unit: bool,
     kind: Kind,
 }
 
-/// Which properties belong together.
+/// Groups the properties of an element to attributes.
 fn groups(element: &Element) -> Vec<Group> {
     let properties = &element.properties;
     let mut free: Vec<bool> = properties.iter().map(|p| p.count.is_none() && !is_axis(&p.name)).collect();
@@ -253,7 +253,7 @@ enum Store {
 }
 
 fn read_vertices(element: &Element, source: &mut Source, draft: &mut Draft) -> Result<(), ReadError> {
-    // `check` has compared the count with the bytes left, so it fits memory.
+    // `check` compared the count with the bytes left, so it fits memory.
     let count = element.count as usize;
     let mut targets = vec![Target::Nowhere; element.properties.len()];
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
@@ -354,7 +354,7 @@ impl Faces {
         let material = element.properties.iter().position(is_material);
         let strips = element.name == "tristrips";
         if !strips && source.encoding != Encoding::Text {
-            // One byte a list is the least; most files have triangles, of which this is the number.
+            // A list takes at least 1 byte. Most files have triangles: this is their number.
             let per_face =
                 element.least_size(source.encoding) as usize + 3 * element.properties[list].kind.size();
             draft.triangles.reserve((element.count as usize).min(source.left() / per_face + 1));
@@ -393,7 +393,7 @@ impl Faces {
         Ok(())
     }
 
-    /// The corners of one face; in a strip -1 starts a new one and is kept as none.
+    /// Reads the corners of a face. In a strip, -1 starts a new strip and is kept as `NONE`.
     fn read_corners(
         &mut self,
         face: usize,
@@ -420,7 +420,8 @@ impl Faces {
     }
 }
 
-/// Every second triangle of a strip is turned; those with two equal corners only bring the strip to another place.
+/// Converts strips to triangles: flips every second triangle. Skips triangles with equal corners, used only to move a
+/// strip.
 fn unroll(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
     for strip in corners.split(|&c| c == NONE) {
         for (i, corners) in strip.windows(3).enumerate() {

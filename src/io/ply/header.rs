@@ -1,12 +1,12 @@
 //! The header of a PLY file: its encoding, and its elements with their typed properties.
 //!
-//! Counts are as declared; the body checks them against the bytes that are there.
+//! Counts are as declared; `body.rs` checks them against the bytes present.
 
 use super::MATERIAL_COMMENT;
 use crate::io::error::ReadError;
 use crate::io::text::{Lines, integer, quoted, words};
 
-/// How values are stored.
+/// Encoding of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -14,7 +14,7 @@ pub(super) enum Encoding {
     Big,
 }
 
-/// The type of a value.
+/// Type of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     I8,
@@ -42,7 +42,7 @@ impl Kind {
         })
     }
 
-    /// Bytes in a binary file.
+    /// Returns the size in a binary file, bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -60,7 +60,7 @@ impl Kind {
         matches!(self, Self::I8 | Self::I16 | Self::I32)
     }
 
-    /// Largest value of a whole-number type, as a colour's 1; none for floats.
+    /// Returns the largest value of an integer type, meaning 1 for colours; `None` for floats.
     pub fn maximum(self) -> Option<f64> {
         Some(match self {
             Self::I8 => 127.0,
@@ -73,7 +73,8 @@ impl Kind {
         })
     }
 
-    /// The first value in `bytes`, which holds [`size`](Self::size) bytes at least. Exact: every type fits a double.
+    /// Returns the first value in `bytes`; `bytes` holds at least [`size`](Self::size) bytes. Exact: every type fits a
+    /// double.
     pub fn value(self, bytes: &[u8], encoding: Encoding) -> f64 {
         let mut word = [0; 8];
         let size = self.size();
@@ -95,16 +96,16 @@ impl Kind {
     }
 }
 
-/// A property: one value, or a list with its own count.
+/// A property: a single value, or a list with its own count.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Property {
     pub name: String,
     pub kind: Kind,
-    /// The type of the count, for a list.
+    /// Type of the list's count; `None` if the property is not a list.
     pub count: Option<Kind>,
 }
 
-/// An element: so many entries of these properties.
+/// An element: `count` entries with these properties.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Element {
     pub name: String,
@@ -113,7 +114,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Fewest bytes an entry can take.
+    /// Returns the minimum size of an entry, bytes.
     pub fn least_size(&self, encoding: Encoding) -> u64 {
         let of = |p: &Property| match encoding {
             Encoding::Text => 2,
@@ -122,7 +123,7 @@ impl Element {
         self.properties.iter().map(of).sum()
     }
 
-    /// Whether every entry takes the same bytes.
+    /// Tests if all entries have equal size: no property is a list.
     pub fn is_flat(&self) -> bool {
         self.properties.iter().all(|p| p.count.is_none())
     }
@@ -134,12 +135,12 @@ pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
     pub material_names: Vec<String>,
-    /// Where the body starts, and on which line.
+    /// Offset of the body, and its line number.
     pub body: usize,
     pub body_line: usize,
 }
 
-/// Reads up to and with `end_header`.
+/// Reads the header, including `end_header`.
 pub(super) fn read(bytes: &[u8]) -> Result<Header, ReadError> {
     let mut lines = Lines::new(bytes);
     if lines.next().is_none_or(|(_, line)| line.trim_ascii() != b"ply") {

@@ -7,12 +7,13 @@
 //! | `mod.rs` | a mesh to a file; which property belongs to which attribute |
 //!
 //! Vertex properties become attributes: `nx ny nz` to `normal`; `s t`, `u v`, `texture_u texture_v` or
-//! `texture_s texture_t` to `uv`; `red green blue [alpha]` to `color` (whole-number types scaled to 0..1); `name_0`,
-//! `name_1` and so on to `name`; any other to an attribute of width 1 with its own name. `float` and `double` give float
-//! attributes, signed types `Int`, unsigned ones `Uint`.
+//! `texture_s texture_t` to `uv`; `red green blue [alpha]` to `color` (integer types scaled to 0..1); `name_0`,
+//! `name_1` and so on to `name`; any other to an attribute of width 1 with its own name. `float` and `double` give
+//! float attributes, signed types `Int`, unsigned types `Uint`.
 //!
-//! The parser is our own: `ply-rs-bw` refuses text with NaN and names with other than letters, reads a binary body with
-//! two properties of one name askew, and reserves by a list's count (`docs/architecture.md`, Readers).
+//! The parser is our own: `ply-rs-bw` rejects text with NaN and names with characters other than letters, misreads a
+//! binary body with two properties of equal name, and reserves memory by a list's count (`docs/architecture.md`,
+//! Readers).
 
 mod body;
 mod header;
@@ -21,13 +22,13 @@ use super::draft::Draft;
 use super::error::{ReadError, WriteError};
 use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
-/// Reads a whole file. O(n) in its size; nothing is reserved that the bytes left could not fill.
+/// Reads a whole file. O(n) in its size; reserves no more memory than the bytes left could fill.
 pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     let header = header::read(bytes)?;
     body::read(&header, bytes)
 }
 
-/// Marks the comments of the header that hold material names.
+/// Keyword of header comments holding material names.
 const MATERIAL_COMMENT: &str = "material_name";
 
 /// A column of the vertex element.
@@ -39,8 +40,8 @@ struct Column<'a> {
     as_byte: bool,
 }
 
-/// The file as bytes, binary little-endian. Every attribute is written, and material ids and names; locks are left out.
-/// Colours are bytes where that loses nothing, else floats.
+/// Encodes a mesh as binary little-endian, with all attributes but `vertex`, and material ids and names. Locks are not
+/// written. Colours are bytes if no precision is lost, else floats.
 pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     let columns = columns(mesh)?;
     let mut header = String::from("ply\nformat binary_little_endian 1.0\n");
@@ -95,10 +96,10 @@ pub(super) fn write(mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     Ok(out)
 }
 
-/// The properties after x, y and z.
+/// Returns the vertex properties after x, y and z.
 fn columns(mesh: &Mesh) -> Result<Vec<Column<'_>>, WriteError> {
     let mut columns: Vec<Column> = Vec::new();
-    // Which of a caller's vertices are one is no value of the model's.
+    // The `vertex` attribute (identity of the caller's vertices) is not written.
     for attribute in mesh.attributes().iter().filter(|a| a.name() != names::VERTEX) {
         let as_byte = attribute.name() == names::COLOR && attribute.as_floats().is_some_and(are_bytes);
         let known: &[&str] = match (attribute.name(), attribute.as_floats(), attribute.width()) {
@@ -140,7 +141,7 @@ fn columns(mesh: &Mesh) -> Result<Vec<Column<'_>>, WriteError> {
     }
 }
 
-/// Whether every value is a whole number of 255ths, as reading would make it.
+/// Tests if every value is exactly k / 255 as computed on reading, with integer k.
 fn are_bytes(values: &[f32]) -> bool {
     let exact = |&x: &f32| (0.0..=1.0).contains(&x) && body::unit(f64::from((x * 255.0).round()), 255.0) == x;
     values.iter().all(exact)

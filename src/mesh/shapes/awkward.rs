@@ -1,4 +1,4 @@
-//! The smallest meshes that break careless code.
+//! Minimal meshes with awkward topology: they break careless code.
 //!
 //! ```text
 //!     book(3), from above      bowtie             pillow            hub(6), from above
@@ -17,7 +17,7 @@ use super::noise::{sin_cos, unit};
 use super::solids::icosphere;
 use super::{MAX_CELLS, bare, cells};
 
-/// A tetrahedron: the smallest closed surface that is no pillow.
+/// A tetrahedron: the smallest closed surface with volume.
 pub fn tetrahedron() -> Mesh {
     bare(
         vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
@@ -25,9 +25,9 @@ pub fn tetrahedron() -> Mesh {
     )
 }
 
-/// A flat square from -1 to 1 at y = 0, facing up, of `n` by `n` cells: one border loop.
+/// A flat square from -1 to 1 at y = 0, facing up, of `n` by `n` cells, with a single border loop.
 ///
-/// At least 1, at most 2^14. O(n^2).
+/// `n`: 1 to 2^14. O(n^2).
 pub fn plane(n: u32) -> Mesh {
     let n = n.clamp(1, 1 << 14);
     let at = |i: u32| (2.0 * f64::from(i) / f64::from(n) - 1.0) as f32;
@@ -38,10 +38,10 @@ pub fn plane(n: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// Square pages around a common spine, the edge between vertices 0 and 1: two triangles a page, every second page
-/// facing the other way. From 3 pages on the spine is a non-manifold edge.
+/// Square pages around a common spine, the edge between vertices 0 and 1. Two triangles a page; every second page faces
+/// the other way. With 3 or more pages the spine is a non-manifold edge.
 ///
-/// At least 1 page, at most 2^27. O(n).
+/// 1 to 2^27 pages. O(n).
 pub fn book(pages: u32) -> Mesh {
     let pages = pages.clamp(1, 1 << 27);
     let mut positions = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -59,7 +59,7 @@ pub fn book(pages: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// Two open fans of two triangles that share vertex 0 alone: a non-manifold vertex without a non-manifold edge.
+/// Two open fans of two triangles sharing vertex 0 alone: a non-manifold vertex without a non-manifold edge.
 pub fn bowtie() -> Mesh {
     let positions = vec![
         [0.0, 0.0, 0.0],
@@ -78,15 +78,15 @@ pub fn pillow() -> Mesh {
     bare(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], vec![[0, 1, 2], [2, 1, 0]])
 }
 
-/// Two unit icospheres, one on top of the other, that share one vertex: closed, non-manifold in that vertex alone.
+/// Two unit icospheres on top of each other, sharing a vertex: closed, non-manifold at the shared vertex alone.
 ///
-/// `2 * 20 * 4^levels` triangles; at most 12 levels. The shared vertex is number 0. O(n log n).
+/// `2 * 20 * 4^levels` triangles; at most 12 levels. The shared vertex has number 0. O(n log n).
 pub fn two_spheres_touching(levels: u32) -> Mesh {
     let lower = icosphere(levels);
     let mut positions = lower.positions().to_vec();
     let mut triangles = lower.triangles().to_vec();
     let base = positions.len() as u32;
-    // The upper sphere's bottom, vertex 11, is the lower one's top, vertex 0.
+    // The bottom of the upper sphere (vertex 11) is the top of the lower sphere (vertex 0).
     let bottom = 11;
     let number = |v: u32| if v == bottom { 0 } else { base + v - u32::from(v > bottom) };
     let upper = lower.positions().iter().enumerate().filter(|&(v, _)| v as u32 != bottom);
@@ -97,7 +97,7 @@ pub fn two_spheres_touching(levels: u32) -> Mesh {
 
 /// A shallow cone: a fan of `n` triangles around vertex 0, open at the rim.
 ///
-/// At least 3, at most 2^28. O(n).
+/// `n`: 3 to 2^28. O(n).
 pub fn hub(n: u32) -> Mesh {
     let n = n.clamp(3, MAX_CELLS);
     let mut positions = vec![[0.0, 0.5, 0.0]];
@@ -105,9 +105,9 @@ pub fn hub(n: u32) -> Mesh {
     bare(positions, (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect::<Vec<_>>())
 }
 
-/// A double cone: two vertices of valence `n`, 0 at the top and 1 at the bottom, and `2 * n` triangles, closed.
+/// A closed double cone of `2 * n` triangles: vertex 0 at the top and vertex 1 at the bottom have valence `n`.
 ///
-/// At least 3, at most 2^28. O(n).
+/// `n`: 3 to 2^28. O(n).
 pub fn spindle(n: u32) -> Mesh {
     let n = n.clamp(3, MAX_CELLS);
     let mut positions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
@@ -131,7 +131,7 @@ fn rim(n: u32) -> impl Iterator<Item = [f32; 3]> {
 
 /// `n` separate small triangles at random in the cube from -1 to 1, three vertices each.
 ///
-/// At most 2^28. O(n).
+/// `n`: at most 2^28. O(n).
 pub fn soup(n: u32, seed: u32) -> Mesh {
     let n = n.min(MAX_CELLS);
     let mut positions = Vec::with_capacity(3 * n as usize);

@@ -1,4 +1,4 @@
-//! Parts as a drawing office makes them: flat faces, sharp rims, few vertices; closed unless said otherwise.
+//! Machine parts: flat faces, sharp rims, few vertices; closed unless stated otherwise.
 //!
 //! ```text
 //!     plate_with_hole     washer       stepped_shaft        gear        pocketed_block     extruded outlines
@@ -9,8 +9,8 @@
 //!       '--------'        '--'          '--'
 //! ```
 //!
-//! Flat faces are filled from corner to corner (holes bridged, ears clipped), as modellers do, so that triangles are large
-//! and thin, and whatever a vertex on a rim does happens within a flat face.
+//! Flat faces are filled from corner to corner (holes bridged, ears clipped), as modellers do. Triangles are large and
+//! thin, and triangles at a rim vertex reach far into a flat face.
 
 use super::super::{Attribute, Mesh, names};
 use super::noise::{sin_cos, unit};
@@ -19,14 +19,14 @@ use super::{bare, length_or};
 /// A closed line in a plane.
 type Outline = Vec<[f64; 2]>;
 
-/// Most sides of a circle here: faces are filled in quadratic time and more.
+/// Maximum number of sides of a circle: filling a face takes cubic time.
 const MOST_SIDES: u32 = 512;
 
 fn sides(count: u32) -> u32 {
     count.clamp(3, MOST_SIDES)
 }
 
-/// A regular polygon around a place.
+/// A regular polygon around `centre`.
 fn circle(centre: [f64; 2], radius: f64, sides: u32) -> Outline {
     let point = |i: u32| {
         let [sin, cos] = sin_cos(f64::from(i) / f64::from(sides));
@@ -44,8 +44,8 @@ fn turned(mut outline: Outline) -> Outline {
     outline
 }
 
-/// A square plate from -1 to 1 with a round hole of `sides` sides and radius 0.5 in its middle, `thickness` thick. A
-/// thickness of 0 makes an open sheet.
+/// A square plate from -1 to 1, `thickness` thick, with a round hole of `sides` sides and radius 0.5 in its middle.
+/// Thickness 0 makes an open sheet; a thickness outside 1e-18 to 1e18 counts as 0.25.
 ///
 /// 3 to 512 sides. O(sides^3).
 pub fn plate_with_hole(sides: u32, thickness: f32) -> Mesh {
@@ -53,8 +53,8 @@ pub fn plate_with_hole(sides: u32, thickness: f32) -> Mesh {
     part(&[rectangle([-1.0; 2], [1.0; 2]), hole], thickness)
 }
 
-/// A flat ring of outer radius 1 and `inner` radius (between 0 and 1; 0.5 otherwise), `thickness` thick. A thickness of 0
-/// makes an open sheet.
+/// A flat ring of outer radius 1 and `inner` radius (between 0 and 1; 0.5 otherwise), `thickness` thick. Thickness 0
+/// makes an open sheet; a thickness outside 1e-18 to 1e18 counts as 0.25.
 ///
 /// 3 to 512 sides. O(sides^3).
 pub fn washer(sides: u32, inner: f32, thickness: f32) -> Mesh {
@@ -62,7 +62,8 @@ pub fn washer(sides: u32, inner: f32, thickness: f32) -> Mesh {
     part(&[circle([0.0; 2], 1.0, sides), turned(circle([0.0; 2], f64::from(inner), sides))], thickness)
 }
 
-/// A spur gear of `teeth` teeth and outer radius 1 with a round bore, `thickness` thick (0: an open sheet).
+/// A spur gear of `teeth` teeth and outer radius 1.005 with a round bore of radius 0.3, `thickness` thick. Thickness 0
+/// makes an open sheet; a thickness outside 1e-18 to 1e18 counts as 0.25.
 ///
 /// 3 to 64 teeth. O(teeth^3).
 pub fn gear(teeth: u32, thickness: f32) -> Mesh {
@@ -78,8 +79,8 @@ pub fn gear(teeth: u32, thickness: f32) -> Mesh {
     part(&[outline, turned(circle([0.0; 2], 0.3, 2 * teeth + 8))], thickness)
 }
 
-/// Extruded capitals, as a plotter would cut them: `count` outlines picked by `seed`, some with holes, each a part of its
-/// own, 1 high and `thickness` thick (0: open sheets).
+/// Extruded capitals: `count` outlines picked by `seed`, some with holes, each a separate part, 1 high and `thickness`
+/// thick. Thickness 0 makes open sheets; a thickness outside 1e-18 to 1e18 counts as 0.25.
 ///
 /// 1 to 64 letters. O(count).
 pub fn lettering(count: u32, seed: u32, thickness: f32) -> Mesh {
@@ -94,7 +95,7 @@ pub fn lettering(count: u32, seed: u32, thickness: f32) -> Mesh {
     mesh.finish()
 }
 
-/// C-like bow, D with a hole, E, L, O.
+/// Outlines of C, D with a hole, E, L and O, by number.
 fn letter_outlines(which: u32) -> Vec<Outline> {
     let arc = |radius: f64, from: f64, to: f64, steps: u32| -> Outline {
         let point = |i: u32| {
@@ -135,7 +136,7 @@ fn letter_outlines(which: u32) -> Vec<Outline> {
     }
 }
 
-/// A turned shaft along y: `steps` cylinders of different radii one on the other, `sides` sides each.
+/// A turned shaft along y: `steps` cylinders of different radii on top of each other, `sides` sides each.
 ///
 /// 1 to 64 steps, 3 to 512 sides. O(steps sides + sides^3).
 pub fn stepped_shaft(steps: u32, sides: u32, seed: u32) -> Mesh {
@@ -162,10 +163,10 @@ pub fn stepped_shaft(steps: u32, sides: u32, seed: u32) -> Mesh {
     mesh.finish()
 }
 
-/// A box from -1 to 1, a half high, with boxes cut out of it: pockets of different depths in a pattern of `n` by `n`, some of
-/// them through.
+/// A box from -1 to 1 along x and z, 0.5 high, with boxes cut out of it: a pattern of `n` by `n` pockets of different
+/// depths, some of them through holes.
 ///
-/// At least 1, at most 64. O(n^2).
+/// `n`: 1 to 64. O(n^2).
 pub fn pocketed_block(n: u32, seed: u32) -> Mesh {
     let n = n.clamp(1, 64);
     let cells = 2 * n + 1;
@@ -180,7 +181,7 @@ pub fn pocketed_block(n: u32, seed: u32) -> Mesh {
     let all = lines[cells as usize];
     let place = |i: u32| 2.0 * lines[i as usize] / all - 1.0;
     const HIGH: f64 = 0.5;
-    // The floor of a cell: the top but in pockets, where 0 is a hole.
+    // Height of a cell's surface: the top, or a pocket's floor. `None` outside the block and in through holes.
     let floor = |column: i64, row: i64| -> Option<f64> {
         let inside = |x: i64| (0..i64::from(cells)).contains(&x);
         if !(inside(column) && inside(row)) {
@@ -201,7 +202,7 @@ pub fn pocketed_block(n: u32, seed: u32) -> Mesh {
             let ends = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
             mesh.quad(ends.map(|(i, j)| corner(i, height, j)));
             mesh.quad([0, 3, 2, 1].map(|k: usize| corner(ends[k].0, 0.0, ends[k].1)));
-            // A wall to each lower neighbour, seen from there.
+            // A wall to each lower neighbour, facing it.
             for (side, (dc, dr)) in [(0, -1), (1, 0), (0, 1), (-1, 0)].into_iter().enumerate() {
                 let below = floor(c + dc, r + dr);
                 if below.is_none_or(|below| below < height) {
@@ -220,8 +221,7 @@ pub fn pocketed_block(n: u32, seed: u32) -> Mesh {
     mesh.finish()
 }
 
-/// An open flat ring, radii 0.5 and 1, of `sides` by `rows` cells, with four ramps that rise to a height of 0.5: flat but for
-/// those.
+/// A flat open ring, radii 0.5 and 1, of `sides` by `rows` cells. Four ramps in it rise to a height of 0.5.
 ///
 /// 8 to 512 sides, 1 to 64 rows. O(sides rows).
 pub fn ring_with_ramps(sides: u32, rows: u32) -> Mesh {
@@ -234,7 +234,7 @@ pub fn ring_with_ramps(sides: u32, rows: u32) -> Mesh {
             mesh.ring(&circle([0.0; 2], radius, sides), |[x, z]| {
                 let share = 4.0 * f64::from(side) / f64::from(sides);
                 side += 1;
-                // Up and down again within a quarter of each quarter.
+                // Up and down within the middle quarter of each quarter turn.
                 let up = (8.0 * (share - share.floor() - 0.5)).abs();
                 [x, 0.5 * (1.0 - up).max(0.0), -z]
             })
@@ -244,8 +244,8 @@ pub fn ring_with_ramps(sides: u32, rows: u32) -> Mesh {
     mesh.finish()
 }
 
-/// A flat square sheet from -1 to 1 at y = 0 of two materials: a round island of `sides` sides and this `radius` (between 0
-/// and 1; 0.3 otherwise) in the middle of the other.
+/// A flat square sheet from -1 to 1 at y = 0 of two materials: "plate", and in its middle a round "island" of `sides`
+/// sides and `radius` (between 0 and 1; 0.3 otherwise).
 ///
 /// 3 to 512 sides. O(sides^3).
 pub fn two_material_plate(sides: u32, radius: f32) -> Mesh {
@@ -256,14 +256,15 @@ pub fn two_material_plate(sides: u32, radius: f32) -> Mesh {
     Mesh::from_trusted(positions, triangles, Vec::new(), materials, names, Vec::new())
 }
 
-/// The same sheet in one material with texture coordinates of two charts: a seam around the island.
+/// The sheet of [`two_material_plate`] without materials, with texture coordinates in two charts: a seam around the
+/// island.
 ///
 /// 3 to 512 sides. O(sides^3).
 pub fn plate_with_seam_island(sides: u32, radius: f32) -> Mesh {
     let (mesh, inside) = plate_with_island(sides, radius, true);
     let mut uv: Vec<[f32; 2]> =
         mesh.positions().iter().map(|p| [0.5 + 0.5 * p[0], 0.5 - 0.5 * p[2]]).collect();
-    // Vertices of the island are its own: those beyond the plate's.
+    // The island has separate vertices, numbered after the plate's vertices.
     let first = mesh.triangles()[inside..].as_flattened().iter().copied().min().unwrap_or(0);
     uv[first as usize..].iter_mut().for_each(|uv| uv[0] += 2.0);
     let (positions, triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
@@ -271,7 +272,7 @@ pub fn plate_with_seam_island(sides: u32, radius: f32) -> Mesh {
     Mesh::from_trusted(positions, triangles, uv, Vec::new(), Vec::new(), Vec::new())
 }
 
-/// The sheet, and the first triangle of the island, which has vertices of its own where it is `apart`.
+/// Returns the sheet and the number of the island's first triangle. With `apart` the island has separate vertices.
 fn plate_with_island(sides: u32, radius: f32, apart: bool) -> (Mesh, usize) {
     let radius = f64::from(if radius > 0.0 && radius < 1.0 { radius } else { 0.3 });
     let island = circle([0.0; 2], radius, self::sides(sides));
@@ -290,9 +291,9 @@ fn plate_with_island(sides: u32, radius: f32, apart: bool) -> (Mesh, usize) {
     (bare(mesh.positions, mesh.triangles), inside)
 }
 
-/// A part by number: every kind of this file in turn, its measures drawn by the number, some of them cut finer.
+/// A part by number: `seed % 8` picks the kind, `seed` its dimensions. Some parts are subdivided ([`cut_in_four`]).
 ///
-/// At most some 20,000 triangles.
+/// Fewer than 20,000 triangles.
 pub fn cad_part(seed: u32) -> Mesh {
     let share = |index: u32| unit(index, seed);
     let between = |index: u32, low: u32, high: u32| low + (share(index) * (high - low + 1) as f32) as u32;
@@ -312,8 +313,8 @@ pub fn cad_part(seed: u32) -> Mesh {
     (0..times).fold(mesh, |mesh, _| cut_in_four(&mesh))
 }
 
-/// Every triangle cut in four at the middles of its edges: the same surface, with vertices that say nothing new but for
-/// rounding. Materials are kept, attributes are not.
+/// Cuts every triangle in four at its edge midpoints: an equal surface up to rounding, with redundant vertices. Drops
+/// triangles naming a vertex twice. Keeps materials, not attributes.
 pub fn cut_in_four(mesh: &Mesh) -> Mesh {
     let mut positions = mesh.positions().to_vec();
     let edges = super::super::Edges::new(mesh.triangles(), positions.len());
@@ -357,7 +358,7 @@ fn part(outlines: &[Outline], thickness: f32) -> Mesh {
     mesh.finish()
 }
 
-/// A mesh as it is put together; equal positions are welded at the end.
+/// A mesh under construction. Equal positions are welded at the end.
 #[derive(Default)]
 struct Builder {
     positions: Vec<[f32; 3]>,
@@ -365,7 +366,7 @@ struct Builder {
 }
 
 impl Builder {
-    /// Vertices for the points of a line, lifted to space.
+    /// Adds a vertex per point of a line, lifted to space.
     fn ring(&mut self, outline: &[[f64; 2]], mut lift: impl FnMut([f64; 2]) -> [f64; 3]) -> Vec<u32> {
         let first = self.positions.len() as u32;
         // Adding zero turns a negative zero into a positive one.
@@ -373,7 +374,7 @@ impl Builder {
         (first..self.positions.len() as u32).collect()
     }
 
-    /// Quads between two closed lines of as many vertices.
+    /// Adds quads between two closed lines of equal length.
     fn band(&mut self, low: &[u32], high: &[u32]) {
         for i in 0..low.len() {
             let j = (i + 1) % low.len();
@@ -387,7 +388,8 @@ impl Builder {
         self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 
-    /// Fills a face between outlines (the outer one counter-clockwise, holes clockwise) whose points are `vertices`.
+    /// Fills a face between outlines (outer outline counter-clockwise, holes clockwise). `vertices` holds the vertex of
+    /// each point.
     fn fill(&mut self, outlines: &[Outline], vertices: &[u32], back: bool) {
         for [a, b, c] in fill(outlines) {
             let [a, b, c] = [a, b, c].map(|i| vertices[i as usize]);
@@ -395,7 +397,7 @@ impl Builder {
         }
     }
 
-    /// What outlines enclose as a sheet at y = 0, or as a solid from there up.
+    /// Adds the area enclosed by outlines: a sheet at y = 0, or a solid from y = 0 to `thickness`.
     fn extrude(&mut self, outlines: &[Outline], thickness: f64) {
         let all = outlines.concat();
         let top = self.ring(&all, |[x, z]| [x, thickness, -z]);
@@ -430,8 +432,8 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Triangles between outlines whose points are numbered one after the other. Every hole is joined to what is around it by a
-/// bridge that crosses nothing, then the shortest ears are cut off.
+/// Triangulates the area between outlines, whose points are numbered consecutively. Joins every hole to its
+/// surroundings by a bridge crossing nothing, then cuts off the ears with the shortest diagonal first.
 fn fill(outlines: &[Outline]) -> Vec<[u32; 3]> {
     let points = outlines.concat();
     let at = |i: u32| points[i as usize];
@@ -444,7 +446,7 @@ fn fill(outlines: &[Outline]) -> Vec<[u32; 3]> {
         first = last;
     }
     while !holes.is_empty() {
-        // The shortest bridge of all, to any hole.
+        // The shortest bridge to any hole.
         let mut best: Option<(f64, usize, usize, usize)> = None;
         for (h, hole) in holes.iter().enumerate() {
             for (i, &p) in hole.iter().enumerate() {
@@ -457,7 +459,7 @@ fn fill(outlines: &[Outline]) -> Vec<[u32; 3]> {
                 }
             }
         }
-        // The shortest of all between two lines that do not touch crosses neither.
+        // The shortest bridge between two lines without contact crosses neither.
         let Some((_, h, i, j)) = best else { break };
         let mut hole = holes.remove(h);
         hole.rotate_left(i);

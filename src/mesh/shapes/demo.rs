@@ -1,4 +1,4 @@
-//! The default model: everything that a level of detail must cope with, in one closed model.
+//! The default model: all challenges of level of detail in a single closed model.
 //!
 //! ```text
 //!      .-""-.       gold: two thin rings, sharp-edged        crystal: flat facets, every edge a crease
@@ -27,11 +27,11 @@ const CRYSTAL: u32 = 4;
 /// Middle of the knot, the rings and the crystal.
 const HEART: DVec3 = DVec3::new(0.0, 1.12, 0.0);
 
-/// A sculpture of about 70 000 triangles, two units wide and 2.6 high: a knot and a crystal in two
-/// thin rings, on a turned plinth, on a rock.
+/// A sculpture of about 70 000 triangles, 2 units wide and 2.6 high: a knot and a crystal in two thin rings, on a
+/// turned plinth, on a rock.
 ///
-/// Five materials, normals with creases, texture coordinates with seams. Welded, it is closed and manifold, of six
-/// components, three of them with a handle.
+/// Five materials, normals with creases, texture coordinates with seams. Welded, it is closed and manifold, with six
+/// components. Three components have a handle: the knot and the rings.
 pub fn demo() -> Mesh {
     let mut assembly = Assembly::default();
     assembly.add(stone(), STONE);
@@ -44,7 +44,7 @@ pub fn demo() -> Mesh {
     assembly.finish(&["stone", "marble", "bronze", "gold", "crystal"])
 }
 
-/// A flat-topped rock: the six faces of a cube, rounded and worn, each with its own cell of the texture.
+/// A flat-topped rock: the six faces of a cube, rounded and worn. Each face has a cell of the texture.
 fn stone() -> Part {
     let n = 40;
     let mut part = Part::default();
@@ -52,7 +52,7 @@ fn stone() -> Part {
         let [right, up] = face_axes(axis, side);
         let cell = [face % 3, face / 3].map(|i| i as f64);
         part.add_grid(n, n, |column, row| {
-            // Whole numbers until here, so both faces at an edge find the same direction.
+            // Integers until here: both faces at an edge find equal directions.
             let mut d = [if side { f64::from(n) } else { -f64::from(n) }; 3];
             d[right] = f64::from(2 * column) - f64::from(n);
             d[up] = f64::from(2 * row) - f64::from(n);
@@ -81,7 +81,7 @@ fn worn(d: DVec3) -> DVec3 {
     DVec3::new(point.x, height - 0.08, point.z)
 }
 
-/// One moulding of a turned shape.
+/// A moulding of a turned shape.
 struct Moulding {
     /// Radius and height at both ends.
     ends: [[f64; 2]; 2],
@@ -102,7 +102,7 @@ impl Moulding {
         ((r1 - r0) * (r1 - r0) + (h1 - h0) * (h1 - h0)).sqrt()
     }
 
-    /// Radius and height at a row. The ends are exactly as they are named, to meet the neighbours.
+    /// Radius and height at a row. Both ends are exact, to meet the neighbours.
     fn at(&self, row: u32) -> [f64; 2] {
         let [from @ [r0, h0], to @ [r1, h1]] = self.ends;
         if row == 0 {
@@ -129,7 +129,7 @@ const PLINTH: [Moulding; 9] = [
     Moulding::flat([0.30, 0.50], [0.00, 0.50], 3),
 ];
 
-/// A turned plinth with a fluted shaft: a part for every moulding, creases between.
+/// A turned plinth with a fluted shaft: a part per moulding, creases between.
 fn plinth() -> Vec<Part> {
     let columns = 96;
     let total: f64 = PLINTH.iter().map(Moulding::length).sum();
@@ -152,7 +152,7 @@ fn plinth() -> Vec<Part> {
     parts
 }
 
-/// A trefoil standing upright: smooth on one half, twisted grooves and hammer marks on the other.
+/// A trefoil standing upright: a smooth half, and a half with twisted grooves and hammer marks.
 fn knot() -> Part {
     let (segments, sides) = (480, 42);
     let knot = Knot::new(2, 3);
@@ -175,7 +175,7 @@ fn knot() -> Part {
     })
 }
 
-/// A thin ring of rectangular section around the heart, tilted: four smooth bands, creases between.
+/// A thin tilted ring of rectangular section around the heart: four smooth bands, creases between.
 fn ring(radius: f64, turned: f64) -> [Part; 4] {
     let columns = 160;
     let [sin, cos] = sin_cos(turned);
@@ -199,7 +199,7 @@ fn ring(radius: f64, turned: f64) -> [Part; 4] {
     })
 }
 
-/// A faceted stone at the heart: every facet a part.
+/// A faceted stone at the heart: a part per facet.
 fn crystal() -> Vec<Part> {
     let (positions, triangles) = icosahedron();
     let place = |v: u32| {

@@ -1,5 +1,5 @@
-//! What games are made of: atlases of many charts, hard edges, several materials, mirrored texture coordinates, cards,
-//! facets with normals of their own, skins and painted vertices.
+//! Game assets: atlases of many charts, hard edges, several materials, mirrored texture coordinates, cards, facets with
+//! separate normals, skins and painted vertices.
 
 use glam::{DVec3, Vec3};
 
@@ -10,7 +10,7 @@ use super::noise::{octaves, sin_cos, unit};
 use super::part::{Assembly, Part};
 use super::solids::{FACES, face_axes};
 
-/// A chart: its lower left corner and its size in the texture. A negative width mirrors it.
+/// A chart: its lower left corner and its size in the texture. A negative width mirrors the chart.
 #[derive(Clone, Copy)]
 struct Chart {
     low: [f64; 2],
@@ -18,7 +18,7 @@ struct Chart {
 }
 
 impl Chart {
-    /// A cell of an atlas of `columns` by `rows`, with a margin around.
+    /// Returns a cell of an atlas of `columns` by `rows` cells, less a margin.
     fn cell(index: u32, columns: u32, rows: u32) -> Self {
         let size = [1.0 / f64::from(columns), 1.0 / f64::from(rows)];
         let low = [f64::from(index % columns) * size[0], f64::from(index / columns % rows) * size[1]];
@@ -34,10 +34,10 @@ impl Chart {
     }
 }
 
-/// A wooden crate with a metal frame, one unit high: `12 * n^2` triangles, hard edges between its six sides, two
-/// materials, twelve charts in one atlas. The boards are worn, the frame is straight.
+/// A wooden crate with a metal frame, 1 unit high: `12 * n^2` triangles, hard edges between its six sides, two
+/// materials, twelve charts in an atlas. The boards are worn, the frame is straight.
 ///
-/// `n` cells along a side, at least 8, at most 6000. Welded, it is closed. O(n^2).
+/// `n` cells along a side, 8 to 6000. Welded, it is closed. O(n^2).
 pub fn prop(n: u32) -> Mesh {
     let n = n.clamp(8, 6000);
     let frame = (n / 8).max(1);
@@ -50,7 +50,7 @@ pub fn prop(n: u32) -> Mesh {
             (p[right], p[up]) = (along(column), along(row));
             let inside = |i: u32| frame < i && i < n - frame;
             if inside(column) && inside(row) {
-                // Four boards with worn surfaces, behind the frame.
+                // Four worn boards, behind the frame.
                 let board = (column - frame - 1) * 4 / (n - 2 * frame - 1);
                 let depth = 0.02 + 0.01 * f64::from(unit(board, face as u32));
                 let grain = f64::from(octaves(Vec3::from(p.map(|x| (x * 9.0) as f32)), 3, face as u32));
@@ -58,7 +58,7 @@ pub fn prop(n: u32) -> Mesh {
             }
             DVec3::from(p)
         };
-        // Boards, then the four sides of the frame: each a grid of its own with the same positions where they meet.
+        // Boards, then the four sides of the frame: separate grids with equal positions where they meet.
         let charts = [Chart::cell(2 * face as u32, 4, 3), Chart::cell(2 * face as u32 + 1, 4, 3)];
         let share = |i: u32| f64::from(i) / f64::from(n);
         let grid = |part: &mut Part, chart: Chart, from: [u32; 2], to: [u32; 2]| {
@@ -81,10 +81,10 @@ pub fn prop(n: u32) -> Mesh {
     assembly.finish(&["wood", "metal"])
 }
 
-/// A standing figure of boxes and tubes, 2.4 units high: a chart for every side of every part, left and right limbs
-/// with the same part of the texture, mirrored, hard edges at every end, three materials. About `140 * n^2` triangles.
+/// A standing figure of boxes and tubes, 2.4 units high: a chart for every side of every part, hard edges at every end,
+/// three materials. Left and right limbs share a part of the texture, mirrored. `240 * n^2 + 144 * n` triangles.
 ///
-/// `n` cells along a side, at least 2, at most 1000. Every part is closed where welded; parts pass through each other. O(n^2).
+/// `n` cells along a side, 2 to 1000. Welded, every part is closed; parts pass through each other. O(n^2).
 pub fn robot(n: u32) -> Mesh {
     let n = n.clamp(2, 1000);
     let mut assembly = Assembly::default();
@@ -115,7 +115,7 @@ pub fn robot(n: u32) -> Mesh {
     assembly.finish(&["armour", "head", "limbs"])
 }
 
-/// One side of a box, slightly domed, its edges straight.
+/// A side of a box, slightly domed, with straight edges.
 fn block(
     assembly: &mut Assembly,
     n: u32,
@@ -177,10 +177,10 @@ fn limb(
     }
 }
 
-/// A tree: a trunk of bark, and leaves on cards, each a quad of its own that shows the whole leaf. About three
-/// units high; `2 * cards` triangles of leaves and 480 of the trunk.
+/// A tree: a trunk of bark, and leaves on cards. Each card is a separate quad showing the whole leaf. About 3 units
+/// high; `2 * cards` triangles of leaves and 480 of the trunk.
 ///
-/// At least 1 card, at most 2^26. O(cards).
+/// 1 to 2^26 cards. O(cards).
 pub fn tree(cards: u32) -> Mesh {
     let cards = cards.clamp(1, 1 << 26);
     let mut assembly = Assembly::default();
@@ -197,7 +197,7 @@ pub fn tree(cards: u32) -> Mesh {
     let mut normals = Vec::new();
     for card in 0..cards {
         let random = |k: u32| f64::from(unit(card, k));
-        // Evenly in a ball around the end of the trunk, by throwing away what lies outside.
+        // Uniform in a ball around the end of the trunk, by rejection; up to 8 tries.
         let mut place = DVec3::ZERO;
         for try_again in 0..8 {
             place = DVec3::from([0, 1, 2].map(|i| 2.0 * random(10 + 3 * try_again + i) - 1.0));
@@ -225,9 +225,9 @@ pub fn tree(cards: u32) -> Mesh {
     assembly.finish(&["bark", "leaves"])
 }
 
-/// A [`rock`] whose every triangle has three vertices of its own, with the triangle's normal: low-poly style.
+/// A [`rock`] with three separate vertices per triangle and the triangle's normal: low-poly style.
 ///
-/// As many triangles as the rock has. O(n).
+/// As many triangles as the rock. O(n).
 pub fn flat_rock(triangles: u32, seed: u32) -> Mesh {
     let smooth = rock(triangles, seed);
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
@@ -243,11 +243,11 @@ pub fn flat_rock(triangles: u32, seed: u32) -> Mesh {
     Mesh::from_trusted(positions, triangles, attributes, Vec::new(), Vec::new(), Vec::new())
 }
 
-/// A tube along y, two units high, skinned to five joints: four joints and weights a vertex, weights that sum to 1,
-/// with normals and a texture seam along one side. `2 * segments * rows` triangles.
+/// A tube along y, 2 units high, skinned to five joints, with normals and a texture seam along a side. Each vertex has
+/// four joints with weights of sum 1. `2 * segments * rows` triangles.
 ///
-/// Joints come in whatever order is theirs, so neighbours have the same joints in other slots. At least 4 segments and
-/// 2 rows, at most 2^28 cells. Open at both ends. O(n).
+/// Joints are sorted by weight, the largest first, so neighbouring vertices may hold a joint in different slots. At
+/// least 4 segments and 2 rows, at most 2^28 cells. Open at both ends. O(n).
 pub fn skinned_tube(segments: u32, rows: u32) -> Mesh {
     let [segments, rows] = fit(segments, rows, [4, 2]);
     let height = |row: u32| f64::from(row) / f64::from(rows);
@@ -262,7 +262,7 @@ pub fn skinned_tube(segments: u32, rows: u32) -> Mesh {
     let mut assembly = Assembly::default();
     let (mut joints, mut weights) = (Vec::new(), Vec::new());
     for row in 0..=rows {
-        // Five joints at even heights; each vertex hangs on the four nearest, mostly on the nearest two.
+        // Five joints at even heights. Each vertex hangs on the four nearest, mostly on the nearest two.
         let along = 4.0 * height(row);
         let first = (along as u32).min(3);
         let lowest = first.saturating_sub(1).min(1);
@@ -291,9 +291,9 @@ pub fn skinned_tube(segments: u32, rows: u32) -> Mesh {
     Mesh::from_trusted(positions, triangles, attributes, Vec::new(), Vec::new(), Vec::new())
 }
 
-/// A flat disc in the plane y = 0, radius 1, painted red within half the radius and white outside, with a sharp edge: no
-/// triangle is of two colours. `segments * (2 * rings - 1)` triangles, one vertex a corner but for the edge, where there are
-/// two.
+/// A flat disc at y = 0, radius 1, painted red inside ring `rings / 2` (half the radius) and white outside, with a
+/// sharp edge: no triangle has two colours. `segments * (2 * rings - 1)` triangles. Vertices are shared, but doubled at
+/// the edge.
 ///
 /// At least 3 segments and 4 rings, at most 2^28 cells. O(n).
 pub fn painted_disc(segments: u32, rings: u32) -> Mesh {

@@ -8,15 +8,15 @@ use super::part::{Assembly, Part};
 use super::solids::icosphere;
 use super::{awkward, bare};
 
-/// Leaves of one tree of a forest.
+/// Leaves per tree of a forest.
 const LEAVES: u32 = 100;
 
-/// A forest of `cards` leaf cards, a hundred a tree, with trunks: every leaf a part of its own, a square cut into `cells`
-/// by `cells` cells, turned any way, 0.16 to 0.24 wide, in a crown a unit wide.
+/// A forest of `cards` leaf cards, 100 a tree, with trunks. Every leaf is a separate square of `cells` by `cells`
+/// cells, turned any way, 0.16 to 0.24 wide, in a crown 1 unit wide.
 ///
-/// Normals, texture coordinates (the whole picture on every leaf), and two materials, "leaves" and "bark". Trees stand in a
-/// square grid 1.4 units apart, tree by tree and leaf by leaf in the order of the file. `2 * cells^2` triangles a leaf and
-/// 24 a trunk. At most 100,000 cards of 16 by 16 cells. O(n).
+/// Normals, texture coordinates (the whole picture on every leaf), and two materials, "leaves" and "bark". Trees stand
+/// in a square grid 1.4 units apart. Triangles are stored tree by tree and leaf by leaf: `2 * cells^2` a leaf and 24 a
+/// trunk. At most 100,000 cards of 16 by 16 cells. O(n).
 pub fn forest(cards: u32, cells: u32, seed: u32) -> Mesh {
     let (cards, cells) = (cards.clamp(1, 100_000), cells.clamp(1, 16));
     let trees = cards.div_ceil(LEAVES);
@@ -37,7 +37,7 @@ pub fn forest(cards: u32, cells: u32, seed: u32) -> Mesh {
 
 fn card(foot: DVec3, leaf: u32, cells: u32, seed: u32) -> Part {
     let random = |n: u32| f64::from(unit(8 * leaf + n, seed));
-    // Evenly in a ball: the cube root by a few steps of Newton's would do; a cubic spread is near enough.
+    // Roughly uniform in a ball: 1 less a product of random numbers, in place of a cube root.
     let out = direction(3 * leaf, seed);
     let far = 0.5 * (1.0 - random(0) * random(1));
     let middle = foot + DVec3::new(0.0, 1.3, 0.0) + far * out;
@@ -51,7 +51,7 @@ fn card(foot: DVec3, leaf: u32, cells: u32, seed: u32) -> Part {
     })
 }
 
-/// Four sides from the ground into the crown.
+/// A trunk of four sides from the ground into the crown.
 fn trunk(foot: DVec3) -> Part {
     let corners = [[-0.06, -0.06], [-0.06, 0.06], [0.06, 0.06], [0.06, -0.06]];
     Part::grid(4, 3, |column, row| {
@@ -62,8 +62,8 @@ fn trunk(foot: DVec3) -> Part {
     })
 }
 
-/// A field of `stones` pebbles, every third a tetrahedron and the others spheres of 80 triangles: radii 0.1 to 0.3 in a
-/// square with room for one pebble a unit square. All vertices shared, every pebble closed. At most 100,000. O(n).
+/// A field of `stones` pebbles, every third a tetrahedron and the others spheres of 80 triangles. Radii 0.1 to 0.3, a
+/// pebble per unit square. All vertices shared, every pebble closed. At most 100,000 pebbles. O(n).
 pub fn gravel(stones: u32, seed: u32) -> Mesh {
     let stones = stones.clamp(1, 100_000);
     let mut side = 1;
@@ -86,9 +86,9 @@ pub fn gravel(stones: u32, seed: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// A thin shell: a sphere of radius 1 and within it one of radius `inner` facing inwards, each of `20 * 4^levels`
-/// triangles. No two triangles cross where `inner` leaves room for it. At most 10 levels; a radius that is not between 0 and
-/// 1 counts as 0.97. O(n).
+/// A thin shell: a sphere of radius 1 and inside it a sphere of radius `inner` facing inwards, `20 * 4^levels`
+/// triangles each. No two triangles cross if `inner` leaves room. At most 10 levels; an `inner` not between 0 and 1
+/// counts as 0.97. O(n).
 pub fn shell(levels: u32, inner: f32) -> Mesh {
     let sphere = icosphere(levels.min(10));
     let inner = if inner > 0.0 && inner < 1.0 { inner } else { 0.97 };

@@ -1,4 +1,4 @@
-//! Procedural meshes: smooth ones, natural ones, awkward ones, and the demo.
+//! Procedural meshes: smooth, natural, awkward, technical and game models, and the demo.
 //!
 //! | file | idea |
 //! |---|---|
@@ -7,18 +7,18 @@
 //! | `nature.rs` | fractal terrain and rocks |
 //! | `islands.rs` | many separate parts: a forest of leaf cards, a field of pebbles, a shell of two spheres |
 //! | `awkward.rs` | the smallest meshes that break careless code |
-//! | `cad.rs` | what a drawing office makes: plates with holes, shafts, gears, letters, boxes cut by boxes |
-//! | `game.rs` | what games are made of: atlases, materials, mirrored halves, cards, facets, skins, paint |
+//! | `cad.rs` | machine parts: plates with holes, shafts, gears, letters, boxes cut by boxes |
+//! | `game.rs` | game assets: atlases, materials, mirrored halves, cards, facets, skins, paint |
 //! | `demo.rs` | [`demo`]: seams, creases, materials, thin parts and relief in one closed model |
 //! | `part.rs` | grids with texture coordinates, smooth normals, and their assembly |
 //! | `noise.rs` | hash, gradient noise, sine and cosine: the same bits everywhere |
 //!
-//! All are in object units, y up, with triangles counter-clockwise seen from outside or above. Where a surface closes
-//! on itself (seams, poles, creases) positions are equal bit for bit, so welding closes it.
+//! All meshes are in object units, y up, with triangles counter-clockwise seen from outside or above. Where a surface
+//! closes on itself (seams, poles, creases), positions are equal bit for bit, so welding closes it.
 //!
-//! The same arguments give the same bytes on every platform: nothing but sums, products, quotients and square roots
-//! is used. Counts that are too small are raised to the least that makes sense, counts that are too large are lowered
-//! to what a [`Mesh`] can hold, and lengths that are not positive and finite are replaced; each function says how.
+//! Equal arguments give equal bytes on every platform: the code uses only sums, products, quotients and square roots.
+//! Counts are clamped to a sensible minimum and to the capacity of a [`Mesh`]; lengths that are not positive and finite
+//! are replaced. Each function states its limits.
 
 mod awkward;
 mod cad;
@@ -45,22 +45,23 @@ pub use tubes::{moebius, open_cylinder, torus, torus_knot};
 
 use super::Mesh;
 
-/// Most cells in a grid: four vertices or two triangles for each stay below [`MAX_ELEMENTS`](super::MAX_ELEMENTS).
+/// Maximum number of cells of a grid: four vertices or two triangles per cell stay below
+/// [`MAX_ELEMENTS`](super::MAX_ELEMENTS).
 const MAX_CELLS: u32 = 1 << 28;
 
-/// A mesh of positions and triangles alone.
+/// Builds a mesh of positions and triangles alone.
 fn bare(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh::from_trusted(positions, triangles, Vec::new(), Vec::new(), Vec::new(), Vec::new())
 }
 
-/// Columns and rows of a grid, raised to the least and lowered until there are at most [`MAX_CELLS`] cells.
+/// Clamps the columns and rows of a grid to `least`, and to [`MAX_CELLS`] cells in all.
 fn fit(columns: u32, rows: u32, least: [u32; 2]) -> [u32; 2] {
     let columns = columns.clamp(least[0], MAX_CELLS / least[1]);
     [columns, rows.clamp(least[1], (MAX_CELLS / columns).max(least[1]))]
 }
 
-/// The two triangles of every cell of a grid, row by row, for the vertex numbers that `at` gives to (column, row).
-/// Columns run to the right and rows up as seen from outside.
+/// Appends the two triangles of every cell of a grid, row by row. `at(column, row)` returns a vertex number. Columns
+/// run right and rows up, seen from outside.
 fn cells(columns: u32, rows: u32, triangles: &mut Vec<[u32; 3]>, at: impl Fn(u32, u32) -> u32) {
     triangles.reserve(2 * columns as usize * rows as usize);
     for row in 0..rows {
@@ -73,7 +74,7 @@ fn cells(columns: u32, rows: u32, triangles: &mut Vec<[u32; 3]>, at: impl Fn(u32
     }
 }
 
-/// A length that is positive and finite, and far from overflow; `default` in place of any other.
+/// Returns `length` if it is between 1e-18 and 1e18 (far from overflow), else `default`.
 fn length_or(length: f32, default: f32) -> f64 {
     f64::from(if length > 1e-18 && length < 1e18 { length } else { default })
 }

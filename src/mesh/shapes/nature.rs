@@ -7,19 +7,19 @@ use super::noise::{NoiseRow, direction, noise, octaves, ridges, smoothstep, unit
 use super::solids::geodesic;
 use super::{bare, cells};
 
-/// Height of the terrain's peaks above its plains, about, in object units.
+/// Approximate height of the terrain's peaks above its plains, object units.
 const RELIEF: f32 = 0.16;
 
 /// A fractal height field over the unit square, y up: `size * size` vertices row by row, `2 * (size - 1)^2` triangles.
 ///
-/// Plains of gentle swells rise into ridged mountains, with relief down to the width of a few cells. Vertex
-/// `row * size + column` lies at x = `column / (size - 1) - 0.5` and z = `row / (size - 1) - 0.5`. Any size from 2 to
-/// 2^14 (`2^k + 1` for those who need it). O(n log n) in the number of vertices.
+/// Plains of gentle swells rise into ridged mountains, with relief down to the width of a few cells. Vertex `row * size
+/// + column` lies at x = `column / (size - 1) - 0.5` and z = `row / (size - 1) - 0.5`. `size`: 2 to 2^14, not only `2^k
+/// + 1`. O(n log n) in the number of vertices.
 pub fn terrain(size: u32, seed: u32) -> Mesh {
     let size = size.clamp(2, 1 << 14);
     let across = size - 1;
     let step = 1.0 / across as f32;
-    // The finest octave has four cells to a lattice cell.
+    // The finest octave has at least 5 cells to a lattice cell, except in very small terrains.
     let count = across.ilog2().saturating_sub(3).clamp(2, 10);
     let mut positions = Vec::with_capacity(size as usize * size as usize);
     let mut heights = vec![0.0_f32; size as usize];
@@ -31,14 +31,14 @@ pub fn terrain(size: u32, seed: u32) -> Mesh {
         positions.extend(line.map(|(column, &height)| [column as f32 * step - 0.5, height, z - 0.5]));
     }
     let mut triangles = Vec::new();
-    // Rows run towards +z; with that upwards, +x is to the left as seen from above.
+    // Rows run towards +z; with +z upwards, +x is to the left as seen from above.
     cells(across, across, &mut triangles, |column, row| row * size + across - column);
     bare(positions, triangles)
 }
 
-/// The heights along one row, one octave at a time so that each lattice cell is entered once.
+/// Computes the heights along a row, octave by octave: each lattice cell is entered once per octave.
 ///
-/// The state of a column is how mountainous it is, and how much of the next octave it takes.
+/// The state of a column: how mountainous it is, and its weight for the next octave.
 fn terrain_row(z: f32, step: f32, count: u32, seed: u32, heights: &mut [f32], state: &mut [[f32; 2]]) {
     let mut broad = NoiseRow::new(1.7 * z, seed);
     let mut swell = NoiseRow::new(3.4 * z, seed.wrapping_add(1));
@@ -58,18 +58,18 @@ fn terrain_row(z: f32, step: f32, count: u32, seed: u32, heights: &mut [f32], st
             let crest = 1.0 - value.abs();
             let crest = crest * crest * *weight;
             *weight = (1.4 * crest).min(1.0);
-            // Plains keep a faint trace of every octave, so that no region is exactly flat.
+            // Plains keep a faint trace of every octave: no region is exactly flat.
             *height += amplitude * (*mountains * crest + 0.04 * value);
         }
         amplitude *= 0.5;
     }
 }
 
-/// A closed rock about a unit in radius, with lumps, ridges, grain and a few craters: at least `triangles` triangles,
-/// rounded up to the next `20 * k^2` (20 to 980 million). All vertices are shared.
+/// A closed rock of radius about 1, with lumps, ridges, grain and a few craters. The number of triangles is the next
+/// `20 * k^2` from `triangles` up (20 to 980 million). All vertices are shared.
 ///
-/// The grain is as fine as the triangles can show; all coarser features are the same for any number of triangles.
-/// Every point is seen from the middle, so the surface never cuts itself. O(n log n).
+/// The grain is as fine as the triangles can show; all coarser features are independent of the number of triangles.
+/// Every surface point is visible from the middle, so the surface never cuts itself. O(n log n).
 pub fn rock(triangles: u32, seed: u32) -> Mesh {
     let frequency = (f64::from(triangles) / 20.0).sqrt().ceil().min(7000.0) as u32;
     let (directions, triangles) = geodesic(frequency);
@@ -80,7 +80,7 @@ pub fn rock(triangles: u32, seed: u32) -> Mesh {
 
 struct Rock {
     seed: u32,
-    /// Octaves of grain, so that the finest spans a few triangles.
+    /// Octaves of grain; the finest spans a few triangles.
     grain: u32,
     /// Direction and size (as a chord) of every crater.
     craters: [(DVec3, f64); 7],
@@ -112,8 +112,8 @@ impl Rock {
         radius.max(0.3)
     }
 
-    /// What the craters add to the radius (a bowl inside, a rim at the edge, an apron outside), and how much of the
-    /// relief they leave.
+    /// Returns the craters' contribution to the radius (a bowl inside, a rim at the edge, an apron outside), and the
+    /// share of relief left.
     fn craters(&self, d: DVec3) -> (f64, f64) {
         self.craters.iter().fold((0.0, 1.0), |(depth, rough), &(middle, size)| {
             let x = (d - middle).length() / size;

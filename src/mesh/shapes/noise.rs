@@ -1,4 +1,4 @@
-//! Hash, gradient noise, sine and cosine that give the same bits on every platform.
+//! Hash, gradient noise, sine and cosine with equal bits on every platform.
 //!
 //! Gradient noise after Perlin, *An Image Synthesizer*, SIGGRAPH 1985 (with the quintic fade of *Improving Noise*,
 //! 2002); ridges after Musgrave, in *Texturing and Modeling: A Procedural Approach*.
@@ -7,20 +7,20 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Mat3, Vec3};
 
-/// Mixes all bits of a word: alternating multiplications and folds.
+/// Mixes all bits of a word by alternating multiplications and folds.
 pub(super) fn scramble(mut x: u32) -> u32 {
     x = (x ^ x >> 16).wrapping_mul(0x9e37_79b1);
     x = (x ^ x >> 15).wrapping_mul(0x85eb_ca77);
     x ^ x >> 16
 }
 
-/// A number from 0 to below 1 for an index and a seed.
+/// Returns a random number from 0 to below 1 for an index and a seed.
 pub(super) fn unit(index: u32, seed: u32) -> f32 {
     // 24 bits are exact in a float.
     (scramble(index ^ scramble(seed)) >> 8) as f32 / 16_777_216.0
 }
 
-/// A direction for an index and a seed, evenly spread over the sphere.
+/// Returns a random direction for an index and a seed, uniform on the sphere.
 pub(super) fn direction(index: u32, seed: u32) -> DVec3 {
     let height = f64::from(unit(2 * index, seed)) * 2.0 - 1.0;
     let [sin, cos] = sin_cos(f64::from(unit(2 * index + 1, seed)));
@@ -28,12 +28,12 @@ pub(super) fn direction(index: u32, seed: u32) -> DVec3 {
     DVec3::new(radius * cos, height, radius * sin)
 }
 
-/// Sine and cosine of an angle in turns; exact at quarter turns. Errors below 1e-15.
+/// Returns sine and cosine of an angle in turns; exact at quarter turns. Errors below 1e-15.
 pub(super) fn sin_cos(turns: f64) -> [f64; 2] {
     let part = turns - turns.floor();
     let quarter = (4.0 * part + 0.5).floor();
     let x = (part - quarter / 4.0) * TAU;
-    // The power series, innermost term last, for |x| up to an eighth of a turn.
+    // The power series in Horner's form, for |x| up to an eighth of a turn.
     let series = |first: u32| {
         let mut sum = 1.0;
         for n in (0..8).rev() {
@@ -51,7 +51,7 @@ pub(super) fn sin_cos(turns: f64) -> [f64; 2] {
     }
 }
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// Returns 0 below `low`, 1 above `high`, a smooth step between.
 pub(super) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -82,7 +82,7 @@ pub(super) fn noise(p: Vec3, seed: u32) -> f32 {
     1.3 * lerp(along_y(0), along_y(1), fade(f.z))
 }
 
-/// From one octave to the next: twice as fine, and turned so that their lattices do not line up.
+/// Maps an octave to the next: twice as fine, and rotated to misalign the lattices.
 const FINER: Mat3 = Mat3::from_cols_array(&[
     4.0 / 3.0,
     4.0 / 3.0,
@@ -95,7 +95,7 @@ const FINER: Mat3 = Mat3::from_cols_array(&[
     4.0 / 3.0,
 ]);
 
-/// A sum of octaves of noise, each half as high and twice as fine: about -1 to 1.
+/// Sums octaves of noise, each half as high and twice as fine: about -1 to 1.
 pub(super) fn octaves(mut p: Vec3, count: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut height = 0.5;
@@ -107,7 +107,7 @@ pub(super) fn octaves(mut p: Vec3, count: u32, seed: u32) -> f32 {
     sum
 }
 
-/// Octaves of sharp crests, finer ones only where coarser ones are high: 0 to about 1.
+/// Sums octaves of sharp crests, fine octaves only where coarse octaves are high: 0 to about 1.
 pub(super) fn ridges(mut p: Vec3, count: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let (mut height, mut weight) = (0.5, 1.0_f32);
@@ -122,7 +122,7 @@ pub(super) fn ridges(mut p: Vec3, count: u32, seed: u32) -> f32 {
     sum
 }
 
-/// Gradient noise in a plane along a row of ascending x: what a lattice cell has in common is worked out once a cell.
+/// Gradient noise in a plane along a row of ascending x. Work common to a lattice cell is done once per cell.
 pub(super) struct NoiseRow {
     seed: u32,
     row: u32,
@@ -151,9 +151,9 @@ impl NoiseRow {
         noise
     }
 
-    /// The noise at `x`, about -1 to 1.
+    /// Returns the noise at `x`, about -1 to 1.
     pub(super) fn at(&mut self, x: f32) -> f32 {
-        // `x` is never negative here, so cutting off is rounding down.
+        // `x` is never negative here, so truncating rounds down.
         let cell = x as i32;
         if cell != self.cell {
             self.enter(cell);
@@ -169,7 +169,7 @@ impl NoiseRow {
         self.cell = cell;
     }
 
-    /// Slope along x and offset at one side of a cell, blended between its lower and upper corner.
+    /// Returns slope along x and offset at a side of a cell, blended between its lower and upper corner.
     fn side(&self, x: u32) -> [f32; 2] {
         let gradient = |row: u32| {
             let h = scramble(scramble(self.seed ^ row).wrapping_add(x));

@@ -1,7 +1,7 @@
-//! Grids with texture coordinates, their smooth normals, and the assembly of several into one mesh.
+//! Grids with texture coordinates, their smooth normals, and their assembly into a mesh.
 //!
-//! A part is smooth all over: normals are averaged at each of its positions, seams included. Where two parts meet is a
-//! crease. Positions at a join must be equal bit for bit, which holds where they come from the same numbers.
+//! A part is smooth all over: normals are averaged at each of its positions, seams included. Parts meet in creases.
+//! Positions at a join must be equal bit for bit: compute them from equal numbers.
 
 use glam::{DVec3, Vec3};
 
@@ -17,15 +17,15 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// A grid of cells with `(columns + 1) * (rows + 1)` vertices. Cells whose corners coincide (at a pole) have one
-    /// triangle or none.
+    /// Builds a grid of cells with `(columns + 1) * (rows + 1)` vertices. A cell with coincident corners (at a pole)
+    /// has 1 triangle or none.
     pub(super) fn grid(columns: u32, rows: u32, point: impl Fn(u32, u32) -> (DVec3, [f32; 2])) -> Self {
         let mut part = Self::default();
         part.add_grid(columns, rows, point);
         part
     }
 
-    /// One more grid in the same smooth piece.
+    /// Adds a grid to the smooth piece.
     pub(super) fn add_grid(
         &mut self,
         columns: u32,
@@ -52,7 +52,7 @@ impl Part {
         });
     }
 
-    /// Normals averaged over the triangles at each position, by area.
+    /// Returns normals averaged over the triangles at each position, weighted by area.
     fn smooth_normals(&self) -> Vec<[f32; 3]> {
         let topology = Topology::new(&bare(self.positions.clone(), self.triangles.clone()));
         let point_of = topology.point_of();
@@ -67,7 +67,7 @@ impl Part {
     }
 }
 
-/// Parts put together, with normals, texture coordinates and materials.
+/// Assembled parts with normals, texture coordinates and materials.
 #[derive(Default)]
 pub(super) struct Assembly {
     positions: Vec<[f32; 3]>,
@@ -84,7 +84,7 @@ impl Assembly {
         self.add_with_normals(part, normals, material);
     }
 
-    /// Adds a part with normals of its own, one per vertex. Vertices that no triangle uses are left behind.
+    /// Adds a part with given normals, by vertex. Leaves out vertices used by no triangle.
     pub(super) fn add_with_normals(&mut self, part: Part, normals: Vec<[f32; 3]>, material: u32) {
         let mut used = vec![false; part.positions.len()];
         part.triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);
@@ -99,7 +99,7 @@ impl Assembly {
         self.materials.resize(self.triangles.len(), material);
     }
 
-    /// The mesh; with materials only where they have names.
+    /// Returns the mesh. It has materials only if `material_names` has names.
     pub(super) fn finish(self, material_names: &[&str]) -> Mesh {
         let attributes =
             vec![Attribute::floats(names::NORMAL, &self.normals), Attribute::floats(names::UV, &self.uv)];

@@ -9,7 +9,7 @@ use super::{bare, cells, fit};
 
 /// A unit sphere by midpoint subdivision of the icosahedron: `20 * 4^levels` triangles, all vertices shared, closed.
 ///
-/// Levels nest: the vertices of a level are the first of the next, bit for bit, and triangle `t` becomes triangles
+/// Levels nest: the vertices of a level are the first vertices of the next, bit for bit. Triangle `t` becomes triangles
 /// `4t` (in the middle) to `4t + 3` (at corners 0, 1, 2). At most 12 levels; more count as 12. O(n log n).
 pub fn icosphere(levels: u32) -> Mesh {
     let (mut positions, mut triangles) = icosahedron();
@@ -39,7 +39,7 @@ pub fn icosphere(levels: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// Vertex 0 at the top, 1 to 5 above the equator, 6 to 10 below it, 11 at the bottom.
+/// The icosahedron: vertex 0 at the top, 1 to 5 above the equator, 6 to 10 below it, 11 at the bottom.
 pub(super) fn icosahedron() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let height = 0.2_f64.sqrt();
     let ring = |turns: f64, height: f64| {
@@ -63,8 +63,8 @@ pub(super) fn icosahedron() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
-/// The icosahedron's triangles cut into `frequency^2` each, on the unit sphere: directions in double precision, and
-/// triangles. All vertices are shared. Frequency 1 to 7000.
+/// Cuts each of the icosahedron's triangles into `frequency^2`, projected to the unit sphere. Returns directions in
+/// double precision, and triangles. All vertices are shared. Frequency 1 to 7000.
 pub(super) fn geodesic(frequency: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (corners, faces) = icosahedron();
     let corners: Vec<_> = corners.iter().map(|&p| Vec3::from(p).as_dvec3().normalize()).collect();
@@ -103,7 +103,7 @@ pub(super) fn geodesic(frequency: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
             (step, 0) => along(0, step),
             (0, row) => along(2, f - row),
             (step, row) if step + row == f => along(1, row),
-            // Rows before this one hold f - 2, f - 3, ... vertices.
+            // Earlier rows hold f - 2, f - 3, ... vertices.
             (step, row) => inner + (row - 1) * (2 * f - row - 2) / 2 + step - 1,
         };
         for row in 0..f {
@@ -121,8 +121,8 @@ pub(super) fn geodesic(frequency: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// A unit sphere of meridians and parallels, with normals and texture coordinates: `2 * segments * (rings - 1)`
 /// triangles.
 ///
-/// There is a seam along one meridian, and a vertex per segment at both poles; welded, it is closed. At least 3
-/// segments and 2 rings, at most 2^28 cells. O(n).
+/// A seam runs along a meridian, and both poles have a vertex per segment. Welded, it is closed. At least 3 segments
+/// and 2 rings, at most 2^28 cells. O(n).
 pub fn uv_sphere(segments: u32, rings: u32) -> Mesh {
     let [segments, rings] = fit(segments, rings, [3, 2]);
     let part = Part::grid(segments, rings, |column, row| {
@@ -130,7 +130,7 @@ pub fn uv_sphere(segments: u32, rings: u32) -> Mesh {
         let [sin, cos] = sin_cos(f64::from(column % segments) / f64::from(segments));
         let [radius, height] = sin_cos(f64::from(row) / f64::from(2 * rings));
         let radius = if pole { 0.0 } else { radius };
-        // A pole's vertices serve one triangle each, whose middle is half a column on.
+        // Each vertex at a pole serves a single triangle, whose middle is half a column on.
         let shift = if row == 0 {
             0.5
         } else if pole {
@@ -150,7 +150,7 @@ pub fn uv_sphere(segments: u32, rings: u32) -> Mesh {
 
 /// The cube from -1 to 1: 8 vertices, 12 triangles, all vertices shared, closed.
 pub fn cube() -> Mesh {
-    // Bit k of a vertex's number says which side of axis k it lies on.
+    // Bit k of a vertex's number is 1 on the positive side of axis k.
     let positions =
         (0..8).map(|v| [0, 1, 2].map(|axis| if v >> axis & 1 == 1 { 1.0 } else { -1.0 })).collect();
     let mut triangles = Vec::with_capacity(12);
@@ -162,10 +162,10 @@ pub fn cube() -> Mesh {
     bare(positions, triangles)
 }
 
-/// The cube from -1 to 1 with a normal and texture coordinates per face, each face cut into `n` by `n` cells:
-/// `6 * (n + 1)^2` vertices, `12 * n^2` triangles.
+/// The cube from -1 to 1 with a normal and texture coordinates per face, each face cut into `n` by `n` cells: `6 * (n +
+/// 1)^2` vertices, `12 * n^2` triangles.
 ///
-/// Faces share positions but no vertices: 24 vertices at `n` = 1. At least 1, at most 6000. O(n^2).
+/// Faces share positions but no vertices: 24 vertices at `n` = 1. `n`: 1 to 6000. O(n^2).
 pub fn box_with_face_normals(n: u32) -> Mesh {
     let n = n.clamp(1, 6000);
     let (mut positions, mut normals, mut uv) = (Vec::new(), Vec::new(), Vec::new());
@@ -192,11 +192,11 @@ pub fn box_with_face_normals(n: u32) -> Mesh {
     Mesh::from_trusted(positions, triangles, attributes, Vec::new(), Vec::new(), Vec::new())
 }
 
-/// The faces of a cube: axis, and whether it is the far side.
+/// The faces of a cube: axis, and whether the face is on its positive side.
 pub(super) const FACES: [(usize, bool); 6] =
     [(0, true), (0, false), (1, true), (1, false), (2, true), (2, false)];
 
-/// The axes to the right and up on a cube's face, seen from outside.
+/// Returns the axes to the right and up on a cube's face, seen from outside.
 pub(super) fn face_axes(axis: usize, side: bool) -> [usize; 2] {
     let [first, second] = [(axis + 1) % 3, (axis + 2) % 3];
     if side { [first, second] } else { [second, first] }

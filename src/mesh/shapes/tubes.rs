@@ -9,10 +9,9 @@ use super::{MAX_CELLS, bare, cells, fit, length_or};
 
 /// A torus around the y axis: `2 * segments * sides` triangles, all vertices shared, closed, genus 1.
 ///
-/// `major` is the distance from the axis to the middle of the tube, `minor` the tube's radius (a greater one than
-/// `major` makes it cut itself), in object units; 1 and 0.4 take the place of lengths that are not between 1e-18 and
-/// 1e18. At least 3 segments and 3 sides, at most 2^28
-/// cells. O(n).
+/// `major` is the distance from the axis to the middle of the tube, `minor` the tube's radius, in object units. With
+/// `minor > major` the torus cuts itself. Lengths outside 1e-18 to 1e18 count as 1 and 0.4. At least 3 segments and 3
+/// sides, at most 2^28 cells. O(n).
 pub fn torus(major: f32, minor: f32, segments: u32, sides: u32) -> Mesh {
     let [segments, sides] = fit(segments, sides, [3, 3]);
     let (major, minor) = (length_or(major, 1.0), length_or(minor, 0.4));
@@ -30,12 +29,12 @@ pub fn torus(major: f32, minor: f32, segments: u32, sides: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// A tube along a torus knot that winds `p` times around the y axis and `q` times through the hole, with normals and
+/// A tube along a torus knot winding `p` times around the y axis and `q` times through the hole, with normals and
 /// texture coordinates: `2 * segments * sides` triangles.
 ///
-/// Two seams, one along and one around; welded, it is closed and has genus 1. The torus has radii 1 and 0.4; the tube
-/// is thin enough not to touch itself. `p` and `q` are divided by their common divisor and are 1 to 1000. At least
-/// 3 segments (sensibly 50 a winding) and 3 sides, at most 2^28 cells. O(n).
+/// Two seams: along and around the tube. Welded, it is closed and has genus 1. The torus has radii 1 and 0.4; the tube
+/// is too thin to touch itself. `p` and `q` are 1 to 1000, divided by their common divisor. At least 3 segments
+/// (sensibly 50 a winding) and 3 sides, at most 2^28 cells. O(n).
 pub fn torus_knot(p: u32, q: u32, segments: u32, sides: u32) -> Mesh {
     let knot = Knot::new(p, q);
     let [segments, sides] = fit(segments, sides, [3, 3]);
@@ -50,13 +49,13 @@ pub fn torus_knot(p: u32, q: u32, segments: u32, sides: u32) -> Mesh {
     assembly.finish(&[])
 }
 
-/// A torus knot and the radius of a tube that fits around it.
+/// A torus knot and the radius of a tube around it.
 pub(super) struct Knot {
     windings: [f64; 2],
     pub(super) tube: f64,
 }
 
-/// Where the middle of a tube is, and the two directions across it.
+/// The middle of a tube at a place, and two directions across it.
 pub(super) struct Frame {
     middle: DVec3,
     across: [DVec3; 2],
@@ -70,8 +69,8 @@ impl Knot {
         let (p, q) = (p.clamp(1, 1000), q.clamp(1, 1000));
         let common = greatest_common_divisor(p, q);
         let windings = [p / common, q / common].map(f64::from);
-        // On the inner side of the torus, rolled flat: its area over the length of curve on it is the distance from
-        // one winding to the next.
+        // On the inner side of the torus, rolled flat: the area over the length of the curve is the distance between
+        // neighbouring windings.
         let turn = std::f64::consts::TAU;
         let (wide, high) = (turn * (Self::MAJOR - Self::MINOR), turn * Self::MINOR);
         let [along, across] = [windings[0] * wide, windings[1] * high];
@@ -79,8 +78,8 @@ impl Knot {
         Self { windings, tube: (0.3 * apart).min(0.16) }
     }
 
-    /// The frame at `t` of the way along. The second direction across is the torus's own normal made square to the
-    /// curve, so the frame closes after a round, without twist.
+    /// Returns the frame at `t` of the way along, 0 to 1. The first direction across is the normal of the torus: the
+    /// frame closes after a round, without twist. The second is perpendicular to the first and to the curve.
     pub(super) fn frame(&self, t: f64) -> Frame {
         let [sin, cos] = sin_cos(self.windings[0] * t);
         let [up, out] = sin_cos(self.windings[1] * t);
@@ -96,7 +95,7 @@ impl Knot {
 }
 
 impl Frame {
-    /// The point at an angle (turns) around the middle, at a distance from it.
+    /// Returns the point at an angle (turns) around the middle, at a distance from it.
     pub(super) fn point(&self, turns: f64, distance: f64) -> DVec3 {
         let [sin, cos] = sin_cos(turns);
         self.middle + (self.across[0] * cos + self.across[1] * sin) * distance
@@ -107,7 +106,7 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-/// The side of a cylinder around the y axis, radius 1, from -1 to 1, without caps: `2 * segments * rows` triangles,
+/// The side of a cylinder around the y axis, radius 1, y from -1 to 1, without caps: `2 * segments * rows` triangles,
 /// all vertices shared, two border loops.
 ///
 /// At least 3 segments and 1 row, at most 2^28 cells. O(n).
@@ -126,10 +125,10 @@ pub fn open_cylinder(segments: u32, rows: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// A Moebius strip of `n` cells: `2 * n` vertices and triangles, one border loop, no consistent orientation (one edge,
-/// where the strip closes, has two triangles the same way).
+/// A Moebius strip of `n` cells: `2 * n` vertices and triangles, a single border loop, no consistent orientation. A
+/// single edge, where the strip closes, has two triangles running along it in the same direction.
 ///
-/// At least 3 cells, at most 2^28. O(n).
+/// 3 to 2^28 cells. O(n).
 pub fn moebius(n: u32) -> Mesh {
     let n = n.clamp(3, MAX_CELLS);
     let mut positions = Vec::with_capacity(2 * n as usize);
@@ -143,7 +142,7 @@ pub fn moebius(n: u32) -> Mesh {
         }
     }
     let mut triangles = Vec::new();
-    // The strip comes back turned over: what was its low side is its high one.
+    // The strip comes back turned over: low and high side swap.
     cells(n, 1, &mut triangles, |cell, side| if cell == n { 1 - side } else { 2 * cell + side });
     bare(positions, triangles)
 }

@@ -1,4 +1,4 @@
-//! What a collapse makes stale, cheaper or awake: the part of the driver behind each collapse.
+//! Updates after a collapse: candidates around it become stale, cheaper or awake.
 
 use crate::mesh::NONE;
 
@@ -8,12 +8,12 @@ use super::super::options::Order;
 use super::{Engine, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Brings the candidates around a merged point up to date, or marks them stale.
+    /// Updates the candidates around a merged point, or marks them stale.
     pub(super) fn update_around(&mut self, pair: Pair, rank: u32) {
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
         let is_hub = self.is_hub(pair.kept);
-        // Around a hub that stays where it is, only the lost point's star has changed.
+        // Around an unmoved hub, only the lost point's star has changed.
         let is_part = is_hub
             && self.order == Order::Linear
             && self.patch.facets().len() == self.patch.facets_of_lost().len()
@@ -54,7 +54,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 }
             }
             if is_part {
-                // The hub's own candidates wait for their time; those of others into it do not.
+                // The hub's own candidates are looked at later; candidates of others into the hub are looked at now.
                 let mut others = std::mem::take(&mut self.dead);
                 others.clear();
                 others.extend(self.patch.facets_of_lost().iter().map(|facet| facet.others[1]));
@@ -76,7 +76,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 self.offer(pair.kept, &ring);
             } else {
                 self.state[pair.kept as usize] |= state::STALE;
-                // Costs of pairs that were there before only grew; those with new neighbours are new.
+                // Costs of existing pairs only grew; pairs with new neighbours are new.
                 ring.clear();
                 let others = self.patch.facets_of_lost().iter().map(|facet| facet.others[1]);
                 ring.extend(others.filter(|&n| !self.patch.has_third(n)));
@@ -96,7 +96,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.ring = ring;
     }
 
-    /// Looks at the pairs of a point with others, in both directions, and moves points up where one is their cheapest.
+    /// Looks at the pairs of a point with others, in both directions, and moves a point up where its pair is its
+    /// cheapest.
     fn offer(&mut self, point: u32, others: &[u32]) {
         if self.is_symmetric() {
             for &other in others {

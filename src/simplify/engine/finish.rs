@@ -1,4 +1,4 @@
-//! How a simplification ends: what the rules refuse of what is left, and the sequence with its report.
+//! End of a simplification: counts refusals among the remaining candidates; builds the sequence with its report.
 
 use crate::mesh::Mesh;
 
@@ -10,7 +10,8 @@ use super::super::sequence::CollapseSequence;
 use super::{Engine, Legal, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Per oracle the candidates of the final mesh that it is the first to refuse; and how many would leave nothing of a part.
+    /// Counts, per oracle, the candidates of the final mesh first refused by it; and the candidates which would leave
+    /// nothing of a part.
     fn standing_refusals(&mut self) -> (Vec<u64>, u64) {
         let whole = self.vanishing.whole;
         let asked = std::mem::replace(&mut self.refusals, vec![0; self.oracles.len()]);
@@ -36,14 +37,14 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
         }
         let mut standing = std::mem::replace(&mut self.refusals, asked);
-        // A rule that gives way does not stand in the way.
+        // A rule with a surcharge only defers candidates: it refuses none for good.
         for (oracle, count) in self.oracles.iter().zip(&mut standing) {
             *count = if oracle.surcharge().is_some() { 0 } else { *count };
         }
         (standing, std::mem::replace(&mut self.vanishing.whole, whole) - whole)
     }
 
-    /// The sequence, in order and cut at its targets.
+    /// Returns the sequence, in order and cut at its targets.
     pub(super) fn finish(mut self, mesh: &Mesh, stop: StopReason) -> CollapseSequence {
         let (standing, whole) =
             if matches!(stop, StopReason::NothingLegal | StopReason::Error | StopReason::Guard) {
@@ -61,7 +62,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             .collect();
         let count = self.vanishing.rags + self.vanishing.whole;
         if count > 0 {
-            // Parts that would become rags are there to vanish as a whole, so none of those stands in the way.
+            // Parts about to become rags can vanish as a whole: count none of them as standing.
             refusals.push(Refusal { oracle: "parts".to_owned(), count, standing: whole });
         }
         if self.limits.error.is_finite() {
@@ -79,7 +80,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.tiled {
             let order = reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);
             reorder::cut(&mut sequence, &self.limits, self.input_vertices);
-            // Nothing is noted before the first step that gives something up.
+            // Nothing is noted before the first step giving something up.
             let given = order[..sequence.len()].iter().filter_map(|&step| self.given.get(step as usize));
             given.for_each(|&given| sequence.report.given_up.add(given));
         } else {

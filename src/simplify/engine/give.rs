@@ -1,7 +1,8 @@
-//! What holds at first and gives where a target would be missed: seams, then borders between materials, then the topology.
+//! Features held at first which give where a target would be missed: seams, then borders between materials, then the
+//! topology.
 //!
-//! A kind gives when nothing else is left, or from a number of triangles on; where it should have begun earlier the
-//! simplification starts over with that number ([`Schedule`]).
+//! A kind gives when nothing else is left, or from a given number of triangles on. If it should have begun earlier, the
+//! simplification starts over with its number of triangles ([`Schedule`]).
 
 use super::super::classify::kind;
 use super::super::metric::ErrorMetric;
@@ -9,7 +10,7 @@ use super::super::permissive::{Giving, Permissive, Schedule};
 use super::Engine;
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// The next kind that may give, and the triangles at which it does by itself.
+    /// Returns the next kind allowed to give, and the number of triangles at which it gives by itself.
     pub(super) fn next_to_give(&self) -> Option<(Giving, usize)> {
         let may = match self.permissive {
             Permissive::Off => false,
@@ -34,20 +35,20 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
     }
 
-    /// Whether the next kind gives now, whatever else is left to do.
+    /// Whether the next kind gives now, even with other candidates left.
     #[inline]
     pub(super) fn gives_now(&self) -> bool {
         self.gives_at > 0 && self.surface.live_triangles() <= self.gives_at
     }
 
-    /// Where nothing legal is left and the next kind was to hold until then: when it should have begun to give.
+    /// Returns the schedule to start over with, if nothing legal is left and the next kind was to hold until now.
     pub(super) fn should_start_over(&self) -> Option<Schedule> {
         let (giving, at) = self.next_to_give()?;
         let early = self.permissive == Permissive::Auto && at == 0;
         early.then(|| self.schedule.with(giving, self.surface.live_triangles()))
     }
 
-    /// Lets the next kind give. Whether there is one that may.
+    /// Lets the next kind give. Returns whether there was a kind allowed to give.
     pub(super) fn give(&mut self) -> bool {
         let next = self.next_to_give();
         if let Some((giving, _)) = next {
@@ -65,11 +66,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         self.vanishing.is_last = false;
         self.given.resize(self.recorder.steps(), 0);
-        // Later steps stay behind earlier ones, though costs start again.
+        // Later steps stay behind earlier steps, though costs start again.
         self.first_rank = self.ranks.iter().max().map_or(0, |&last| last + 1);
     }
 
-    /// Whether something gives that held at first.
+    /// Whether a feature held at first gives now.
     pub(super) fn may_give_up(&self) -> bool {
         !(self.surface.holds(kind::SEAM) && self.surface.holds(kind::MATERIAL) && self.keeps_topology)
     }

@@ -1,8 +1,8 @@
-//! Points with very many triangles: looked at in proportion to what changes around them.
+//! Points with very many triangles (hubs): looked at in proportion to the changes around them.
 //!
-//! A change next to a point makes its candidate stale or wakes it, and to look at a hub of valence v again takes v steps:
-//! v^2 in all where a fan is taken away triangle by triangle. So a hub, and what lies around it, is looked at again after
-//! a share of its triangles has changed; what is still to be looked at when the queue is empty is woken then.
+//! A change next to a point makes its candidate stale or wakes it. Looking at a hub of valence v again takes v steps: v^2
+//! in all where a fan is removed triangle by triangle. So a hub, and the points around it, are looked at again after a
+//! share of its triangles has changed. Points still to look at when the queue is empty are woken then.
 
 use glam::Vec3;
 
@@ -11,19 +11,19 @@ use super::super::metric::{ErrorMetric, Pair};
 use super::super::oracle::{Collapse, Reads};
 use super::{Engine, state};
 
-/// Points of more triangles are hubs.
+/// A point with more triangles is a hub.
 pub(in super::super) const HUB: usize = 64;
-/// A hub is looked at again when this share of its triangles has changed.
+/// A hub is looked at again after valence / SHARE changes.
 const SHARE: usize = 16;
 
-/// What changed around hubs since they were looked at.
+/// Changes around hubs since they were last looked at.
 pub(super) struct Hubs {
     changes: Vec<u32>,
-    /// The same since what lies around them was looked at.
+    /// Per point, merges into the hub since the points around it were last looked at.
     around: Vec<u32>,
-    /// Hubs around which something still sleeps that a change would have woken.
+    /// Hubs around which some point still sleeps despite a change.
     pending: Vec<u32>,
-    /// Triangles below which the pending are woken: fewer than when they were last.
+    /// The pending hubs are woken below this number of triangles: fewer than at the last time.
     woken_below: usize,
 }
 
@@ -45,7 +45,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.surface.valence(point) > HUB
     }
 
-    /// Counts a change next to a hub. Whether it is time to look at it again; where not, the hub is remembered.
+    /// Counts a change next to a hub. Returns whether the hub is due to be looked at; if not, remembers the hub.
     pub(super) fn is_time_for_hub(&mut self, hub: u32) -> bool {
         let changes = &mut self.hubs.changes[hub as usize];
         *changes = changes.saturating_add(1);
@@ -56,7 +56,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         due
     }
 
-    /// Counts a merge into a hub. Whether it is time to look at all that lies around it; where not, it is remembered.
+    /// Counts a merge into a hub. Returns whether all points around the hub are due to be looked at; if not, remembers
+    /// the hub.
     pub(super) fn is_time_around_hub(&mut self, hub: u32) -> bool {
         let changes = &mut self.hubs.changes[hub as usize];
         *changes = changes.saturating_add(1);
@@ -79,8 +80,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
     }
 
-    /// Whether all candidates of a point may be looked at: always, unless it is a hub that was looked at a short while
-    /// ago.
+    /// Whether all candidates of a point may be looked at now: always, except for a hub looked at recently.
     pub(super) fn may_look_around(&mut self, point: u32) -> bool {
         if !self.is_hub(point) {
             return true;
@@ -94,8 +94,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         true
     }
 
-    /// Leaves so many candidates of a hub, sorted by cost, that to ask about all takes steps in proportion to its triangles:
-    /// half of them the cheapest, half of them spread over the others.
+    /// Thins out the sorted candidates of a hub to at most [`HUB`]: the cheapest half of this number, and as many spread
+    /// over the rest. Asking about all then takes time in proportion to the hub's triangles.
     pub(super) fn thin_out(options: &mut Vec<Best>) {
         if options.len() > HUB {
             let (cheapest, stride) = (HUB / 2, options.len().div_ceil(HUB / 2));
@@ -125,11 +125,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         false
     }
 
-    /// Wakes what sleeps only because of hubs or of a limit that has grown since. Whether there was anything.
+    /// Wakes points asleep only because of hubs or of a guard limit grown since. Returns whether any point was woken.
     pub(super) fn wake_rest(&mut self) -> bool {
         let mut any = false;
         let triangles = self.surface.live_triangles();
-        // Each time costs steps for all around the hubs: so it is done when a share of the triangles is gone since.
+        // Visits everything around the hubs each time: wait until a share of the triangles is gone since.
         let is_time = triangles < self.hubs.woken_below;
         let mut pending = if is_time { std::mem::take(&mut self.hubs.pending) } else { Vec::new() };
         if !pending.is_empty() {
@@ -176,7 +176,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         sleeps
     }
 
-    /// Whether some collapse left is refused by the guard.
+    /// Whether the guard refuses some remaining collapse.
     pub(super) fn guards_any(&self) -> bool {
         let guarded = |state: &u8| state & state::GUARDED != 0 && state & state::GONE == 0;
         self.state.iter().any(guarded)

@@ -1,4 +1,4 @@
-//! How a part of the surface goes as a whole, in one step.
+//! Removes a part of the surface as a whole, in a single step.
 //!
 //! ```text
 //!     when one is due       its loss by size?    dearer: put back
@@ -9,8 +9,8 @@
 //!     joining               in a second step a corner of the heir moves to the part's far end
 //! ```
 //!
-//! Collapses that would leave of a card a rag are not done (`Engine::makes_rag`): half a leaf is worth less than none,
-//! since a leaf that is left can grow. A pebble goes on to a tetrahedron.
+//! Refuses collapses which would leave a rag of a card (`Engine::makes_rag`): half a leaf is worse than none, since a
+//! remaining leaf can grow. A pebble is simplified down to a tetrahedron.
 
 use glam::Vec3;
 
@@ -24,36 +24,36 @@ use super::super::parts::Parts;
 use super::super::surface::WorkingSurface;
 use super::{Engine, state};
 
-/// A part of at most so many triangles is a remnant.
+/// Maximum number of triangles of a remnant.
 const REMNANT: u32 = 10;
-/// The share of its area below which a part that faces one way is a rag.
+/// Share of its area below which a part facing a single direction is a rag.
 const KEPT_AREA: f32 = 0.6;
-/// Parts of more triangles wait as if they had so many.
+/// A part of more triangles waits as if it had this number.
 const LARGE: usize = 64;
-/// Points of other parts among which kin is looked for.
+/// Number of points of other parts among which kin is searched.
 const KIN: usize = 16;
-/// Points of other parts around which the nearest triangle is looked for.
+/// Number of points of other parts around which the nearest triangle is searched.
 const AROUND: usize = 6;
-/// Costs per integral of squared distance where no point is kept: a triangle counts at each of its corners with twice
+/// Cost per integral of squared distance where no point is kept: a triangle counts at each of its corners with twice
 /// its area.
 const SUMMED_RATE: f32 = 6.0;
 
-/// What the vanishing of parts needs besides the parts.
+/// State for vanishing parts, besides the parts.
 #[derive(Default)]
 pub(super) struct Vanishing {
     /// Whether parts vanish at all.
     pub is_on: bool,
-    /// Whether everything else is done: then parts go whose loss cannot be compared with the metric's costs.
+    /// Whether everything else is done: then parts go whose loss does not compare with the metric's costs.
     pub is_last: bool,
-    /// How far an heir reaches for the place of a part that vanishes, inner units; 0: not at all.
+    /// Maximum distance an heir reaches to the place of a vanishing part, inner units; 0: does not reach.
     join_distance: f32,
-    /// Collapses refused because they would make rags.
+    /// Number of collapses refused for making rags.
     pub rags: u64,
-    /// Collapses refused because they would leave nothing of a part, whatever the topology.
+    /// Number of collapses refused for leaving nothing of a part, whatever the topology.
     pub whole: u64,
-    /// The least rank of further steps.
+    /// Least rank of further steps.
     pub floor: u32,
-    /// All points that a part had, and those of them that are still there.
+    /// All points a part ever had; `points`: the live points among them.
     all: Vec<u32>,
     points: Vec<u32>,
     found: Vec<(f32, u32)>,
@@ -69,7 +69,7 @@ impl Vanishing {
 }
 
 impl<M: ErrorMetric> Engine<'_, M> {
-    /// Lets every part wait that may vanish. Whether there is any.
+    /// Puts every part allowed to vanish into the queue. Returns whether there is any.
     pub(super) fn queue_parts(&mut self) -> bool {
         if !self.vanishing.is_on {
             return false;
@@ -89,8 +89,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         any
     }
 
-    /// What a loss counts as in the queue: per pair of triangles, as collapses take them away; `None` where it does not
-    /// compare with the metric's costs.
+    /// Returns the queue cost of a loss, per pair of triangles, as collapses remove triangles in pairs; `None` where
+    /// the loss does not compare with the metric's costs.
     fn loss_cost(&self, parts: &Parts, part: u32, loss: f32) -> Option<f32> {
         let point = parts.first_point(part);
         let triangles = parts.live(part) as usize;
@@ -98,7 +98,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             Some(_) if self.is_symmetric() => SUMMED_RATE * loss,
             Some(rate) => rate * loss,
             None => {
-                // Triangles over the same points are one.
+                // Triangles over the same points count once.
                 let [sheets, live] =
                     [self.surface.live_sheets(), self.surface.live_triangles()].map(|count| count.max(1));
                 let (triangles, mean_area) = (triangles * sheets / live, parts.area() / sheets as f32);
@@ -112,7 +112,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         Some(if cost >= 0.0 { cost } else { f32::MAX })
     }
 
-    /// Lets a part vanish whose turn it is, unless it turns out dearer or must stay. Whether it did.
+    /// Lets a part vanish, unless it turns out dearer or must stay. Returns whether it vanished.
     pub(super) fn serve_part(&mut self, part: u32) -> bool {
         let Some(mut parts) = self.parts.take() else { return false };
         let mut scratch = std::mem::take(&mut self.vanishing);
@@ -120,7 +120,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let done = self.try_vanish(part, &mut parts, &mut scratch);
         self.vanishing = scratch;
         if done && parts.left() == 1 {
-            // The last one is simplified as far as it goes.
+            // The last part is simplified as far as possible.
             self.wake_all();
         }
         self.parts = Some(parts);
@@ -131,7 +131,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if parts.root(part) != part || parts.live(part) == 0 || !parts.may_vanish(part) {
             return false;
         }
-        // The distance is looked for only where the size alone does not put the part off.
+        // Search the distance only if the size alone does not defer the part.
         let mut loss = parts.least_loss(part);
         for by_distance in [false, true] {
             if by_distance {
@@ -152,7 +152,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let there = |&p: &u32| self.state[p as usize] & state::GONE == 0 && self.surface.valence(p) > 0;
         scratch.points.extend(scratch.all.iter().copied().filter(there));
         if scratch.points.iter().any(|&p| self.state[p as usize] & state::TOUCHED != 0) {
-            // Of this batch. It waits for the next.
+            // Touched by this batch: waits for the next.
             return false;
         }
         let mut allowed = true;
@@ -167,7 +167,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.let_stay(part, parts, &scratch.points);
             return false;
         }
-        // All of this batch: it waits for the next.
+        // All touched by this batch: the part waits for the next.
         let Some(into) = self.heir(part, parts, scratch) else { return false };
         let Vanishing { points, found, tried, .. } = &mut *scratch;
         let surface = &self.surface;
@@ -180,10 +180,10 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.let_stay(part, parts, &scratch.points);
             return false;
         }
-        // What is there before the part goes explains its error: a large one may not go at once.
+        // The surface before the part goes explains its error: a large part may have to wait.
         let guard = self.watch.limit(self.surface.live_sheets());
         if error.surface > guard {
-            // It waits until there are fewer triangles.
+            // Waits until there are fewer triangles.
             self.watch.refuse(guard);
             for &point in &scratch.points {
                 self.state[point as usize] |= state::GUARDED;
@@ -205,11 +205,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         true
     }
 
-    /// The point of a part about to vanish that its heir's point `into` moves to, so that the heir covers what the part
-    /// did: the farthest within the distance asked for, where every rule allows it, the heir gains by it, and the error
-    /// stays within what is asked for. Its patch is then in `self.patch`.
+    /// Returns the point of a vanishing part to which its heir's point `into` moves, so the heir covers the part's
+    /// place: the farthest point within the join distance. `None` unless every rule allows the move, the heir's area
+    /// grows, and the error stays within the requested error. Leaves the move's patch in `self.patch`.
     fn reach(&mut self, into: u32, scratch: &Vanishing) -> Option<u32> {
-        // Two steps on one point would not be independent.
+        // Two steps on the same point would not be independent.
         if scratch.join_distance <= 0.0 || self.order == Order::Batched {
             return None;
         }
@@ -228,7 +228,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         (self.surface.frame().object_length(error.largest()) <= self.limits.error).then_some(point)
     }
 
-    /// The point that a part's vertices are taken for: of its nearest kin, or of whatever is nearest.
+    /// Returns the point replacing a part's vertices: of its nearest kin, else of the nearest part.
     fn heir(&self, part: u32, parts: &mut Parts, scratch: &Vanishing) -> Option<u32> {
         let mut heir = None;
         for &(_, point) in &scratch.found {
@@ -245,7 +245,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         heir
     }
 
-    /// A part that was refused stays for good, and may be simplified as far as it goes.
+    /// Keeps a refused part for good, and lets it be simplified as far as possible.
     fn let_stay(&mut self, part: u32, parts: &mut Parts, points: &[u32]) {
         parts.keep(part);
         for &point in points {
@@ -253,15 +253,15 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
     }
 
-    /// Wakes every point that sleeps.
+    /// Wakes every sleeping point.
     fn wake_all(&mut self) {
         for point in 0..self.state.len() as u32 {
             self.wake(point);
         }
     }
 
-    /// Takes a part away whose error was measured last. Its vertices are taken for the point `heir`, or for the one of its
-    /// own points that stays for the heir to reach for.
+    /// Removes the part whose error was measured last. Replaces its vertices by the point `heir`, or by the part's own
+    /// point `stays`, to which the heir then reaches.
     fn commit_vanishing(
         &mut self,
         part: u32,
@@ -293,8 +293,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.surface.vanish(points, &mut self.dead);
         self.tell(None);
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());
-        // In order: after what changed the part, its heir and the triangles that took its tracked samples, and before what
-        // changes those next.
+        // Rank: after the steps which changed the part, its heir and the triangles taking over its tracked samples, and
+        // before the next steps changing them.
         self.tiled |= self.queue.is_tiled();
         let mut rank = (self.first_rank + self.queue.rank()).max(self.vanishing.floor).max(scratch.floor);
         if self.tiled {
@@ -319,7 +319,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         parts.vanish(part, all, heir, if stays == NONE { loss } else { 0.0 });
     }
 
-    /// Whether a collapse whose patch is in `self.patch` would leave nothing of all that hangs together with it.
+    /// Whether a collapse whose patch is in `self.patch` would leave nothing of its connected piece.
     pub(super) fn takes_all(&self, pair: Pair) -> bool {
         let opposite = self.patch.opposite();
         let goes = |point: u32, dying: usize| self.surface.valence(point) == dying;
@@ -330,7 +330,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             && opposite.iter().all(|&third| goes(third, dying_at(third)))
     }
 
-    /// Whether a collapse whose patch is in `self.patch` would leave too little of a card that can vanish instead.
+    /// Whether a collapse whose patch is in `self.patch` would leave too little of a card allowed to vanish instead.
     pub(super) fn makes_rag(&self, pair: Pair) -> bool {
         let Some(parts) = self.parts.as_deref().filter(|_| self.vanishing.is_on) else { return false };
         if self.limits.error.is_finite() || self.patch.opposite().is_empty() {
@@ -342,7 +342,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if live > REMNANT || !is_card || !parts.may_vanish(part) {
             return false;
         }
-        // The part's triangles as they are, found from one to the next.
+        // The part's present triangles, found by walking over neighbours.
         let mut found = [NONE; REMNANT as usize];
         let mut points = [NONE; 3 * REMNANT as usize];
         let (mut triangles, mut known, mut next) = (0, 1, 0);
@@ -381,8 +381,8 @@ fn double_area(surface: &WorkingSurface, corners: [u32; 3]) -> f32 {
     (q - p).cross(r - p).length()
 }
 
-/// The squared distance of a position to the triangles around what the points found have become, and which is nearest;
-/// `tried` is scratch.
+/// Returns the squared distance from a position to the triangles around the images of the found points, and the nearest
+/// triangle. `tried` is scratch.
 fn nearest_triangle(
     surface: &WorkingSurface,
     parts: &mut Parts,
@@ -409,7 +409,8 @@ fn nearest_triangle(
     if best.0 == f32::INFINITY { (found.first().map_or(0.0, |f| f.0), NONE) } else { best }
 }
 
-/// The squared distance of a point to a triangle: to its plane where it lies over the triangle, else to a side.
+/// Returns the squared distance from a point to a triangle: to its plane where the point lies over the triangle, else
+/// to a side.
 fn distance_squared(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let normal = (b - a).cross(c - a);
     let sides = [(a, b), (b, c), (c, a)];

@@ -1,51 +1,51 @@
-//! The guard while a simplification runs: the largest error that the triangles left explain.
+//! The guard during a simplification: limits the error by the number of triangles left.
 
 use glam::Vec3;
 
 use super::super::options::{ErrorMeasure, Guard};
 use super::super::surface::WorkingSurface;
 
-/// The limit of [`Guard`] and what it refused.
+/// Limit of [`Guard`], and refusals.
 pub(super) struct Watch {
     on: bool,
     diagonal: f32,
-    /// The largest error so far, inner units.
+    /// Largest error so far, inner units.
     pub largest: f32,
-    /// Candidates refused.
+    /// Number of candidates refused.
     pub refused: u64,
-    /// Those of the final mesh, counted only where nothing else was left.
+    /// Number of refused candidates of the final mesh; counted only where nothing else was left.
     pub standing: u64,
-    /// The limit when what had been refused was tried again.
+    /// Limit when refused candidates were last tried again.
     tried: f32,
 }
 
-/// What the limit must have grown by before what was refused is tried again.
+/// Factor by which the limit must have grown before refused candidates are tried again.
 const GROWN: f32 = 1.25;
 
 impl Watch {
     pub fn new(surface: &WorkingSurface, guard: Guard, measure: ErrorMeasure) -> Self {
-        // Distances travelled along the surface tell nothing of ruin.
+        // Distances travelled along the surface do not show ruin.
         let on = guard == Guard::On && measure != ErrorMeasure::Parametric;
         Self { on, diagonal: diagonal(surface), largest: 0.0, refused: 0, standing: 0, tried: 0.0 }
     }
 
-    /// The largest error that a level of so many triangles may have, inner units.
+    /// Returns the largest error allowed for a level of `triangles` triangles, inner units.
     pub fn limit(&self, triangles: usize) -> f32 {
         if self.on { Guard::limit(self.diagonal, triangles) } else { f32::INFINITY }
     }
 
-    /// Takes down the error of a step.
+    /// Records the error of a step.
     pub fn reached(&mut self, error: f32) {
         self.largest = self.largest.max(error);
     }
 
-    /// Takes down a refusal at a limit.
+    /// Records a refusal at a limit.
     pub fn refuse(&mut self, limit: f32) {
         self.tried = if self.refused == 0 { limit } else { self.tried };
         self.refused += 1;
     }
 
-    /// Whether it is worth while to try again what was refused.
+    /// Whether to try refused candidates again: the limit has grown enough.
     pub fn has_grown(&mut self, triangles: usize) -> bool {
         let limit = self.limit(triangles);
         let grown = self.refused > 0 && limit > GROWN * self.tried;
@@ -54,7 +54,7 @@ impl Watch {
     }
 }
 
-/// The diagonal of the box around what triangles use, inner units.
+/// Returns the diagonal of the box around all points used by triangles, inner units.
 fn diagonal(surface: &WorkingSurface) -> f32 {
     let used = (0..surface.point_count() as u32).filter(|&point| surface.valence(point) > 0);
     let (low, high) = used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {

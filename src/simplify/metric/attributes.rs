@@ -8,11 +8,11 @@
 //!                                                                 area * (G . d + S - v)^2  +  rest(d)
 //! ```
 //!
-//! What is left, `rest`, is a quadric of the position alone: how much the triangles disagree about the value there. Two
-//! sums of areas a and b with means G, S and H, T make one, whose rest grows by `a b / (a + b) ((G - H) . d + S - T)^2`.
-//! So nothing is ever subtracted: where an attribute is linear nothing is left, and single precision suffices (compare
-//! `quadric.rs`). A wedge's sum goes where the wedge goes, so seams keep their sides apart: the cost of a collapse is the
-//! sum over the lost point's wedges, each at the wedge it would become.
+//! `rest` is a quadric of the position alone: how much the triangles disagree about the value there. Two sums with areas
+//! a and b and means G, S and H, T merge into a single sum, whose rest grows by `a b / (a + b) ((G - H) . d + S - T)^2`.
+//! Nothing is ever subtracted: the rest of a linear attribute is 0, and single precision suffices (compare `quadric.rs`).
+//! A wedge's sum goes where the wedge goes, so the two sides of a seam stay apart. The attribute cost of a collapse is
+//! the sum over the lost point's wedges, each evaluated at the kept wedge replacing it.
 
 use glam::{Vec3, Vec4};
 
@@ -26,11 +26,11 @@ use crate::simplify::options::OptionError;
 use crate::simplify::surface::WorkingSurface;
 use crate::simplify::wedge_map::WedgeMap;
 
-/// Which attributes count, and how much.
+/// The attributes counted by collapse costs, and their weights.
 ///
-/// A weight is the distance that a deviation of one unit is worth, as a share of the diagonal of the mesh's box: with
-/// a normal weight of 0.01, a normal that is off by a vector of length 1 counts as much as a surface that is off by
-/// 1 % of the diagonal. Values that are not finite count as 0.
+/// A weight is the distance costing as much as a deviation of 1 unit, as a share of the diagonal of the mesh's box: with
+/// a normal weight of 0.01, a normal off by a vector of length 1 counts as much as a surface off by 1 % of the diagonal.
+/// Values that are not finite count as 0.
 #[derive(Debug, Clone)]
 pub struct Attributes<'a> {
     mesh: &'a Mesh,
@@ -38,28 +38,28 @@ pub struct Attributes<'a> {
     error: Option<OptionError>,
 }
 
-/// The scalars of one attribute.
+/// The scalars of a single attribute.
 #[derive(Debug, Clone, Copy)]
 struct Group<'a> {
-    /// None for values that are not part of the mesh.
+    /// `None` for values outside the mesh.
     name: Option<&'a str>,
     values: &'a [f32],
     width: usize,
     weight: f32,
-    /// Brought back to unit length when blended.
+    /// Whether blended values are normalised to unit length.
     direction: bool,
 }
 
 impl<'a> Attributes<'a> {
-    /// No attribute of this mesh.
+    /// Counts no attribute of this mesh.
     pub fn new(mesh: &'a Mesh) -> Self {
         Self { mesh, groups: Vec::new(), error: None }
     }
 
-    /// Normals, all sets of texture coordinates and of colours where the mesh has them, with weights that suit rendering:
-    /// [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), but no more than [`NORMAL_EDGES`](Self::NORMAL_EDGES) of an edge;
-    /// [`COLOR_WEIGHT`](Self::COLOR_WEIGHT); and for texture coordinates [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the
-    /// distance that one unit covers on this mesh's surface.
+    /// Counts normals, all sets of texture coordinates and all sets of colours of the mesh, with weights for rendering:
+    /// normals [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), at most [`NORMAL_EDGES`](Self::NORMAL_EDGES) of an edge; colours
+    /// [`COLOR_WEIGHT`](Self::COLOR_WEIGHT); texture coordinates [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the distance
+    /// covered by 1 unit on this mesh's surface.
     pub fn customary(mesh: &'a Mesh) -> Self {
         let mut all = Self::new(mesh);
         if mesh.attribute(names::NORMAL).is_some() {
@@ -77,35 +77,35 @@ impl<'a> Attributes<'a> {
         all
     }
 
-    /// The customary weight of normals.
+    /// Weight of normals in [`customary`](Self::customary).
     pub const NORMAL_WEIGHT: f32 = 0.004;
-    /// Most that normals weigh, in edges of mean length. On dense meshes normals say how rough the surface is from edge to
-    /// edge, which no coarser level can show: what more weight brings is triangles of one size.
+    /// Largest weight of normals, in edges of mean length. On dense meshes normals follow the roughness from edge to
+    /// edge, which no coarser level can show: a larger weight only makes triangles of a single size.
     pub const NORMAL_EDGES: f32 = 0.15;
-    /// The customary weight of colours.
+    /// Weight of colours in [`customary`](Self::customary).
     pub const COLOR_WEIGHT: f32 = 0.01;
-    /// What a texture that slides along the surface is worth, as a share of the way it slides.
+    /// Cost of a texture sliding along the surface, as a share of the distance it slides.
     pub const SLIDE_WEIGHT: f32 = 0.4;
 
-    /// Counts [`names::NORMAL`], where the mesh has it.
+    /// Counts [`names::NORMAL`], if the mesh has it.
     #[must_use]
     pub fn normals(self, weight: f32) -> Self {
         self.optional(names::NORMAL, weight)
     }
 
-    /// Counts [`names::UV`], where the mesh has it. Per unit of the coordinate: one whole texture.
+    /// Counts [`names::UV`], if the mesh has it. The weight is per unit of the coordinate: a whole texture.
     #[must_use]
     pub fn uv(self, weight: f32) -> Self {
         self.optional(names::UV, weight)
     }
 
-    /// Counts [`names::COLOR`], where the mesh has it.
+    /// Counts [`names::COLOR`], if the mesh has it.
     #[must_use]
     pub fn colors(self, weight: f32) -> Self {
         self.optional(names::COLOR, weight)
     }
 
-    /// Counts the float attribute of that name, which the mesh must have.
+    /// Counts the float attribute named `name`, which the mesh must have.
     #[must_use]
     pub fn custom(mut self, name: &str, weight: f32) -> Self {
         if self.mesh.attribute(name).and_then(|a| a.as_floats()).is_none() {
@@ -114,7 +114,7 @@ impl<'a> Attributes<'a> {
         self.optional(name, weight)
     }
 
-    /// Counts values that are not part of the mesh: `width` floats per vertex, vertex by vertex.
+    /// Counts values outside the mesh: `width` floats per vertex, vertex by vertex.
     #[must_use]
     pub fn values(mut self, values: &'a [f32], width: usize, weight: f32) -> Self {
         if width == 0 || values.len() != width * self.mesh.positions().len() {
@@ -125,12 +125,12 @@ impl<'a> Attributes<'a> {
         self.group(Group { name: None, values, width, weight, direction: false })
     }
 
-    /// Whether nothing counts.
+    /// Whether no attribute counts.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
 
-    /// These, unless one was asked for that cannot be.
+    /// Returns `self`, or the first error recorded while attributes were added.
     pub(crate) fn checked(self) -> Result<Self, OptionError> {
         match self.error {
             Some(error) => Err(error),
@@ -163,14 +163,15 @@ impl<'a> Attributes<'a> {
     }
 }
 
-/// Largest weight, and largest value times weight (beyond it is taken as this): squares stay well inside `f32`.
+/// Largest weight, and limit on the size of value times weight (larger products are clamped): squares stay well inside
+/// `f32`.
 const MAX_WEIGHT: f32 = 1e6;
 
-/// Thinnest triangle (height over length) whose gradient is trusted; on thinner ones values count as constant.
+/// Least ratio of height to length of a triangle with a usable gradient. On thinner triangles values count as constant.
 const THINNEST: f32 = 1e-5;
 
-/// Length of an edge if all triangles were alike and equilateral, in parts of the diagonal of the mesh's box; 0 without
-/// triangles or extent.
+/// Edge length of equilateral triangles with the mesh's area and triangle count, as a share of the diagonal of the mesh's
+/// box; 0 without triangles or extent.
 fn edge_length(mesh: &Mesh) -> f64 {
     let at = |v: u32| Vec3::from(mesh.positions()[v as usize]).as_dvec3();
     let area = |&[a, b, c]: &[u32; 3]| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length();
@@ -179,8 +180,8 @@ fn edge_length(mesh: &Mesh) -> f64 {
     if length.is_finite() { length } else { 0.0 }
 }
 
-/// The distance on the surface that one unit of a set of texture coordinates covers on average, as a share of the diagonal; 0 where
-/// that makes no sense.
+/// Mean distance on the surface covered by 1 unit of a set of texture coordinates, as a share of the diagonal; 0 where
+/// undefined (width other than 2, no area in texture space, no diagonal).
 fn units_per_uv(mesh: &Mesh, set: &Attribute) -> f32 {
     let Some(uv) = set.as_floats().filter(|_| set.width() == 2) else { return 0.0 };
     let (mut surface, mut texture) = (0.0f64, 0.0f64);
@@ -202,45 +203,44 @@ fn units_per_uv(mesh: &Mesh, set: &Attribute) -> f32 {
     }
 }
 
-/// Squared attribute deviations on top of another metric, at the exchange rate that the metric below gives
+/// Squared attribute deviations on top of another metric `M`, at the exchange rate given by `M`
 /// ([`ErrorMetric::attribute_cost`]).
 ///
-/// The attribute part is accumulated since the input, whether the metric below is or not. Where a collapse makes new
-/// vertices, their values are those of least deviation, wedge by wedge, and
-/// [`optimum`](ErrorMetric::optimum) weighs them with the position (the values are eliminated: given the position, the
-/// best value of every scalar is linear in it). Use it for the mesh that the attributes were taken from; vertices beyond
-/// those count with values of 0.
+/// The attribute part is accumulated since the input, even if `M` accumulates nothing. New vertices made by a collapse
+/// get the values of least deviation, wedge by wedge. [`optimum`](ErrorMetric::optimum) weighs the values together with
+/// the position: the values are eliminated, since the best value of every scalar is linear in the position. Use it with
+/// the mesh given to [`Attributes::new`]; the values of vertices beyond the mesh's own count as 0.
 ///
-/// Memory: 56 bytes and 20 bytes per scalar for every vertex, scalars rounded up to fours. A cost takes O(scalars) for
-/// every wedge.
+/// Memory: 56 bytes per vertex plus 24 bytes per scalar of a vertex, scalars rounded up to a multiple of 4. A cost takes
+/// O(scalars) per wedge.
 #[derive(Debug, Clone)]
 pub struct WithAttributes<M = Quadric> {
     metric: M,
-    /// The attributes of the mesh among those that count.
+    /// Names of the counted attributes that belong to the mesh.
     names: Vec<String>,
-    /// Blocks of four scalars per vertex; lanes beyond the last scalar are 0.
+    /// Blocks of 4 scalars per vertex; lanes beyond the last scalar are 0.
     stride: usize,
-    /// The input's values times weight, `stride` blocks per vertex: shares of the diagonal.
+    /// The input's values times weight, `stride` blocks per vertex, as shares of the diagonal.
     source: Vec<Vec4>,
     /// Diagonal of the mesh's box, object units.
     diagonal: f64,
-    /// First scalar and weight of every direction.
+    /// First scalar and weight of every direction attribute.
     directions: Vec<(usize, f32)>,
-    /// Whether the metric below is left to itself where it counts attributes already.
+    /// Whether to count no attributes if the inner metric counts attributes already.
     yields: bool,
-    /// Whether it does.
+    /// Whether the inner metric counts attributes already, and `yields` is set.
     yielded: bool,
-    /// The diagonal in the inner frame.
+    /// The diagonal, inner units.
     unit: f32,
-    /// Values in the inner frame, one set per vertex, new ones included.
+    /// Values in the inner frame, one set per vertex, including new vertices.
     values: Vec<Vec4>,
     heads: Vec<Head>,
     /// `stride` per vertex.
     planes: Vec<Planes>,
 }
 
-/// The part of a wedge's sum that does not grow with the scalars: its area, and what is left at the best values,
-/// `d'Rd + 2 b'd + c`.
+/// The part of a wedge's sum independent of the number of scalars: its area, and its rest `d'Rd + 2 b'd + c` at the best
+/// values.
 #[derive(Debug, Clone, Copy, Default)]
 struct Head {
     origin: Vec3,
@@ -262,14 +262,14 @@ impl Head {
         )
     }
 
-    /// What is left at `d` from the origin.
+    /// The rest at `d` from the origin.
     #[inline]
     fn at(&self, d: Vec3) -> f32 {
         d.dot(self.times(d)) + 2.0 * d.dot(self.b) + self.c
     }
 }
 
-/// The mean slopes of four scalars, and their mean values at the origin.
+/// The mean slopes of 4 scalars, and their mean values at the origin.
 #[derive(Debug, Clone, Copy, Default)]
 struct Planes {
     x: Vec4,
@@ -285,7 +285,7 @@ impl Planes {
         self.value + self.x * d.x + self.y * d.y + self.z * d.z
     }
 
-    /// What these say more than others, both about the same origin.
+    /// Subtracts `other`, relative to the same origin.
     #[inline]
     fn minus(&self, other: &Self) -> Self {
         Self {
@@ -296,7 +296,7 @@ impl Planes {
         }
     }
 
-    /// Goes a share of the way by which another differs.
+    /// Moves by `share` of `difference`.
     #[inline]
     fn toward(&mut self, difference: &Self, share: f32) {
         self.x += difference.x * share;
@@ -324,7 +324,7 @@ impl Squares {
         self.c += value * value;
     }
 
-    /// The sums over the lanes, times a weight: of squared slopes, of slope times value, of squared values.
+    /// Sums over the lanes times `weight`: squared slopes, slope times value, squared values.
     #[inline]
     fn weighed(&self, weight: f32) -> ([f32; 6], Vec3, f32) {
         (
@@ -335,16 +335,16 @@ impl Squares {
     }
 }
 
-/// `a b / (a + b)`; 0 where both are.
+/// `a b / (a + b)`; 0 if `a + b` is 0.
 #[inline]
 fn joint(a: f32, b: f32) -> f32 {
     if a + b > 0.0 { a * (b / (a + b)) } else { 0.0 }
 }
 
-/// The corner of a triangle after each.
+/// The next corner of a triangle after each corner.
 const NEXT: [usize; 3] = [1, 2, 0];
 
-/// The sum of four numbers, in the same order on every machine.
+/// Sums 4 numbers in a fixed order, equal on every machine.
 #[inline]
 fn sum(lanes: Vec4) -> f32 {
     let [x, y, z, w] = lanes.to_array();
@@ -352,18 +352,17 @@ fn sum(lanes: Vec4) -> f32 {
 }
 
 impl WithAttributes<Quadric> {
-    /// Accumulated quadrics and the [customary](Attributes::customary) attributes of a mesh.
+    /// Combines accumulated quadrics with the [customary](Attributes::customary) attributes of a mesh.
     pub fn new(mesh: &Mesh) -> Self {
         Self::of(Quadric::new(), &Attributes::customary(mesh), false)
     }
 }
 
 impl<M: ErrorMetric> WithAttributes<M> {
-    /// A metric and chosen attributes, whose values are copied. O(values).
+    /// Combines a metric with chosen attributes, whose values are copied. O(values).
     ///
     /// # Errors
-    /// A weight that is negative or not a number, an attribute that the mesh does not have, or values of the wrong
-    /// length.
+    /// A weight outside 0 to 1,000,000, an attribute missing in the mesh, or values of the wrong length.
     pub fn with(metric: M, attributes: &Attributes<'_>) -> Result<Self, OptionError> {
         match &attributes.error {
             Some(error) => Err(error.clone()),
@@ -371,7 +370,7 @@ impl<M: ErrorMetric> WithAttributes<M> {
         }
     }
 
-    /// The same, left out where the metric counts attributes by itself.
+    /// Combines a metric with chosen attributes, ignored if the metric counts attributes by itself.
     pub(crate) fn by_default(metric: M, attributes: &Attributes<'_>) -> Self {
         Self::of(metric, attributes, true)
     }
@@ -420,7 +419,7 @@ impl<M: ErrorMetric> WithAttributes<M> {
 }
 
 impl<M> WithAttributes<M> {
-    /// Whether there is nothing to add to the metric below.
+    /// Whether the inner metric's cost is the whole cost.
     fn is_idle(&self) -> bool {
         self.stride == 0 || self.yielded
     }
@@ -436,7 +435,7 @@ impl<M> WithAttributes<M> {
         &self.planes[vertex as usize * self.stride..][..self.stride]
     }
 
-    /// What a wedge is off by at a position and the values of another vertex.
+    /// Squared deviation of `wedge` at position `x` with the values of vertex `like`, times area.
     #[inline]
     fn deviation(&self, wedge: u32, x: Vec3, like: u32) -> f32 {
         let head = &self.heads[wedge as usize];
@@ -449,14 +448,14 @@ impl<M> WithAttributes<M> {
         head.area * sum(off) + head.at(d).max(0.0)
     }
 
-    /// What a wedge is off by at a position, with the values of another.
+    /// Squared deviation of wedge `from` at position `x` with the values of wedge `to`.
     #[inline]
     fn off_of_wedge(&self, from: u32, to: u32, x: Vec3) -> AttributeSum {
         AttributeSum { sum: self.deviation(from, x, to), area: self.heads[from as usize].area, added: true }
     }
 
-    /// What the attributes are off by where `pair` is merged where the kept point lies; `whole` with what the kept wedges
-    /// carry already.
+    /// Squared deviations of the attributes if `pair` is merged at the kept point. `whole` includes the deviations
+    /// already carried by the kept wedges.
     fn off_at_kept(&self, surface: &WorkingSurface, pair: Pair, whole: bool) -> AttributeSum {
         let mut off = AttributeSum { added: !whole, ..AttributeSum::default() };
         let x = surface.at(pair.kept);
@@ -472,7 +471,7 @@ impl<M> WithAttributes<M> {
         off
     }
 
-    /// What the attributes are off by wherever `pair` is merged, with the values that are best there.
+    /// Squared deviations of the attributes as a function of the merged position, with the best values at each position.
     fn off_anywhere(&self, surface: &WorkingSurface, pair: Pair) -> AttributeQuadric {
         let origin = surface.at(pair.lost);
         let mut all = AttributeQuadric { origin, ..AttributeQuadric::default() };
@@ -480,11 +479,12 @@ impl<M> WithAttributes<M> {
         all
     }
 
-    /// Adds what two wedges that become one are off by, as a function of position, with the best values there.
+    /// Adds the squared deviation of the wedge merged from `lost` and `kept`, as a function of position, with the best
+    /// values there.
     #[inline]
     fn add_wedges(&self, all: &mut AttributeQuadric, lost: u32, kept: u32) {
         self.add_rest(all, lost);
-        // Where no edge joins two parts they may be one wedge already.
+        // Two parts not joined by an edge may share a wedge already.
         if lost == kept {
             return;
         }
@@ -501,7 +501,7 @@ impl<M> WithAttributes<M> {
         all.constant += f64::from(c);
     }
 
-    /// Adds what is left of a wedge at its best values.
+    /// Adds the rest of a wedge at its best values.
     #[inline]
     fn add_rest(&self, all: &mut AttributeQuadric, wedge: u32) {
         let head = &self.heads[wedge as usize];
@@ -512,7 +512,7 @@ impl<M> WithAttributes<M> {
         all.area += head.area;
     }
 
-    /// The sums of the surface as it is. They run over the triangles in order, so they are the same always.
+    /// Builds the sums of the current surface, over the triangles in order, so that results are reproducible.
     fn build(&mut self, surface: &WorkingSurface) {
         let triangles = || (0..surface.triangle_count() as u32).filter(|&t| surface.triangle(t).is_some());
         let vertices = triangles().flat_map(|t| surface.layers(t)).flat_map(|layer| layer.vertices);
@@ -537,8 +537,8 @@ impl<M> WithAttributes<M> {
         }
     }
 
-    /// Adds a triangle to the sums of its three wedges. It says of each wedge's value what the wedge does; they differ in
-    /// slopes only.
+    /// Adds a triangle to the sums of its three wedges. At each wedge the triangle agrees with the wedge's value; only
+    /// the slopes differ.
     fn add_triangle(&mut self, [p, q, r]: [Vec3; 3], wedges: [u32; 3]) {
         let (e, f) = (q - p, r - p);
         let cross = e.cross(f);
@@ -570,7 +570,7 @@ impl<M> WithAttributes<M> {
         }
     }
 
-    /// Adds the sum of `from` to that of `to`, about the place of `to`.
+    /// Adds the sum of wedge `from` to the sum of wedge `to`, relative to the origin of `to`.
     fn transfer(&mut self, from: u32, to: u32) {
         let head = self.heads[from as usize];
         let (before, t) = (self.heads[to as usize].area, self.heads[to as usize].origin - head.origin);
@@ -592,7 +592,7 @@ impl<M> WithAttributes<M> {
         target.area += head.area;
     }
 
-    /// Gives a vertex the values that are best where it lies; directions are brought back to their length.
+    /// Gives a vertex the best values at its position; directions are normalised.
     fn solve(&mut self, vertex: u32) {
         let first = vertex as usize * self.stride;
         for (value, planes) in self.values[first..].iter_mut().zip(&self.planes[first..]) {
@@ -663,7 +663,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         let mut star = surface.star(lost);
         for (&kept, cost) in kept.iter().zip(costs) {
             let pair = Pair { lost, kept };
-            // Mostly neighbours come as they lie around, and the triangle at hand tells both wedges.
+            // Neighbours mostly come in the order of the star, so the current triangle gives both wedges.
             let corner = if one_wedge { star.next().filter(|c| c.others[0] == kept) } else { None };
             let off = match corner {
                 Some(corner) => {
@@ -702,7 +702,7 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
             for block in 0..self.stride {
                 let [a, b] = new.from.map(|v| self.values[v as usize * self.stride + block]);
                 let value = a + (b - a) * new.weight;
-                // Without an area this is all that is known.
+                // Without an area only the blended value is known.
                 self.planes[vertex as usize * self.stride + block].value = value;
                 self.values[vertex as usize * self.stride + block] = value;
             }
@@ -751,14 +751,14 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
     }
 }
 
-/// Calls `visit` with every wedge of the lost point and the wedge of the kept point that it would become.
+/// Calls `visit` with every wedge of the lost point and the wedge of the kept point replacing it.
 #[inline]
 fn for_wedges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(u32, u32)) {
     if !surface.has_seams() {
         return visit(surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
     }
     if surface.kind(pair.lost) & kind::WEDGES == 0 {
-        // One wedge: any triangle on the edge tells.
+        // A single wedge: any triangle on the edge gives its partner.
         for corner in surface.star(pair.lost) {
             if let Some(side) = corner.others.iter().position(|&o| o == pair.kept) {
                 let vertices = surface.corner_vertices(corner.triangle);
@@ -767,7 +767,7 @@ fn for_wedges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(u32, u
             }
         }
     }
-    // While seams hold, a wedge without a partner makes the collapse illegal whatever it costs.
+    // While seams hold, a wedge without a partner makes the collapse illegal at any cost.
     let map = if surface.holds(kind::SEAM) {
         WedgeMap::new(surface, pair)
     } else {
@@ -775,7 +775,7 @@ fn for_wedges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(u32, u
     };
     map.pairs().iter().for_each(|&[from, to]| visit(from, to));
     if map.pairs().is_empty() {
-        // No edge: two parts are being joined, and one wedge stands for all.
+        // Without an edge two parts are being joined: a single wedge stands for all.
         let first = |point: u32| {
             let corner = surface.star(point).next()?;
             Some(surface.corner_vertices(corner.triangle)[corner.slot as usize])

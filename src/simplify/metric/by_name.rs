@@ -1,11 +1,11 @@
-//! Metrics by the names that the command line uses.
+//! Metrics by their names on the command line.
 
 use super::{
     EdgeLength, ErrorMetric, Hybrid, LindstromTurk, MemorylessQuadric, ProgressiveMeshMetric, Quadric,
     UnsignedVolume, VolumeArea,
 };
 
-/// All names that [`by_name`] knows.
+/// All names known to [`by_name`].
 pub const NAMES: [&str; 8] = [
     "quadric",
     "memoryless-quadric",
@@ -17,7 +17,7 @@ pub const NAMES: [&str; 8] = [
     "edge-length",
 ];
 
-/// The metric of that name ([`ErrorMetric::name`]), with its defaults; `None` for a name not among [`NAMES`].
+/// Returns the metric named `name` ([`ErrorMetric::name`]) with its defaults; `None` if `name` is not among [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn ErrorMetric>> {
     Some(match name {
         "quadric" => Box::new(Quadric::new()),

@@ -1,4 +1,4 @@
-//! What attributes are off by when a pair is merged, in a form that every metric can weigh against its own costs.
+//! Attribute deviations caused by merging a pair, in a form that every metric can weigh against its own costs.
 //!
 //! ```text
 //!   sum   = sum over the triangles merged so far of  2 * area * (deviation)^2        deviations are inner lengths
@@ -10,40 +10,40 @@ use glam::{DVec3, Vec3};
 use super::solve::Symmetric;
 use super::stars::Sum;
 
-/// Squared deviations of attributes at one place, summed over area. A deviation is a length of the inner frame: the
-/// distance that it is worth.
+/// Squared deviations of attributes at a position, summed over area. A deviation is converted to a length of the inner
+/// frame by the attribute's weight.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AttributeSum {
-    /// The sum of twice the area times the squared deviation.
+    /// Sum of `2 * area * deviation^2`.
     pub sum: f32,
-    /// The sum of twice the area.
+    /// Sum of `2 * area`.
     pub area: f32,
-    /// Whether it is what merging into the kept point, which stays as it is, adds
-    /// ([`cost_at_kept`](super::ErrorMetric::cost_at_kept)), rather than all that the merged point carries.
+    /// Whether the sum holds only the deviations added by merging into the kept point as it is
+    /// ([`cost_at_kept`](super::ErrorMetric::cost_at_kept)), rather than all deviations carried by the merged point.
     pub added: bool,
 }
 
 impl AttributeSum {
-    /// The mean squared deviation; 0 without an area.
+    /// Mean squared deviation `sum / area`; 0 without an area.
     #[inline]
     pub fn mean(&self) -> f64 {
         if self.area > 0.0 { f64::from(self.sum) / f64::from(self.area) } else { 0.0 }
     }
 
-    /// The volume between the surface and one that is off by these deviations: a third of the area times the root
-    /// mean square, as each triangle is counted at three corners.
+    /// Volume between the surface and a copy offset by the deviations: `area / 3` times the root mean square, since each
+    /// triangle is counted at three corners.
     #[inline]
     pub fn volume(&self) -> f64 {
         (f64::from(self.sum) * f64::from(self.area)).max(0.0).sqrt() / 6.0
     }
 }
 
-/// Squared deviations of attributes as a function of where a pair is merged, with the best values for each place:
+/// Squared deviations of attributes as a function of the merged position, with the best values at each position:
 /// `d'hd + 2 b'd + constant` at `d` from `origin`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct AttributeQuadric {
-    /// Where the lost point lies, inner frame.
+    /// Position of the lost point, inner frame.
     pub(super) origin: Vec3,
     pub(super) h: Symmetric,
     pub(super) b: DVec3,
@@ -52,13 +52,13 @@ pub struct AttributeQuadric {
 }
 
 impl AttributeQuadric {
-    /// Half the slope at a position.
+    /// Half the gradient at a position.
     #[inline]
     pub(super) fn gradient(&self, position: Vec3) -> DVec3 {
         self.h.times((position - self.origin).as_dvec3()) + self.b
     }
 
-    /// Adds these deviations, at a price of `rate`, to what a metric sums up relative to the lost point.
+    /// Adds the deviations, times `rate`, to a metric's sum relative to the lost point.
     #[inline]
     pub(super) fn add_to(&self, sum: &mut Sum, rate: f64) {
         sum.h.add(&self.h.scaled(rate));
@@ -66,7 +66,7 @@ impl AttributeQuadric {
         sum.constant += self.constant * rate;
     }
 
-    /// The deviations where the pair is merged at `position` (inner frame) with the values that are best there.
+    /// Returns the deviations if the pair is merged at `position` (inner frame), with the best values there.
     #[inline]
     pub fn at(&self, position: [f32; 3]) -> AttributeSum {
         let d = (Vec3::from(position) - self.origin).as_dvec3();

@@ -1,8 +1,8 @@
 //! The squared length of the edge (Southern 3.2.3, Berkey 3.1).
 //!
-//! Blind to shape: dense regions go first whatever they look like, so points end up evenly spread and slivers are rare.
-//! But not to rims (borders, borders between materials, creases, and seams by a tenth): the area that they sweep counts [`RIM`]-fold, so that
-//! corners are not cut off.
+//! Ignores the shape of the surface: dense regions go first, so points end up evenly spread and slivers are rare. Rims
+//! (borders, borders between materials, creases, and seams by a tenth) do count: their swept area is weighed
+//! [`RIM`]-fold, so that corners are not cut off.
 
 use glam::Vec3;
 
@@ -10,18 +10,18 @@ use super::region::{finite, swept_by_rims};
 use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
 use crate::simplify::surface::WorkingSurface;
 
-/// Weight of the area that rims sweep against the squared length.
+/// Weight of the area swept by rims, relative to the squared length.
 const RIM: f64 = 64.0;
 
-/// The squared length of the edge, and the area that rims sweep. There is no optimum: the midpoint is taken.
+/// The squared length of the edge, plus the area swept by rims. Has no optimum: the midpoint is taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EdgeLength;
 
-/// Length of an edge over the distance that the surface between its ends is taken to be off by.
+/// Length of an edge over the assumed deviation of the surface between its ends.
 const LENGTHS: f64 = 16.0;
 
 impl EdgeLength {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self
     }
@@ -47,13 +47,13 @@ impl ErrorMetric for EdgeLength {
         None
     }
 
-    /// The square of the length of an edge on which a surface that bends is off by as much: on a sphere, the middle of
-    /// an edge half as long as the radius lies a sixteenth of its length off.
+    /// The squared length of an edge with this deviation on a curved surface: on a sphere, the middle of an edge half as
+    /// long as the radius lies 1/16 of its length off the surface.
     fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         (off.mean() * LENGTHS * LENGTHS) as f32
     }
 
-    /// Only edges at the merged point change their length; rims hardly sweep other areas.
+    /// Only edges at the merged point change their length. Rims elsewhere hardly sweep other areas.
     fn dependence(&self) -> Dependence {
         Dependence::Both
     }

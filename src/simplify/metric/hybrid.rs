@@ -1,9 +1,9 @@
-//! Swept volume times the largest turn of a normal (Southern 3.2.4, E_hybrid = E_uvol E_norm).
+//! Swept volume times the largest rotation of a normal (Southern 3.2.4, E_hybrid = E_uvol E_norm).
 //!
-//! `E_norm = max (1 - o . n)` over the triangles that survive, `o` and `n` their unit normals before and after: 0 where
-//! none turns, 1 at a right angle, 2 upside down. Removed triangles have no normal afterwards and do not count.
-//! Rims (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times the area that they sweep: on a
-//! plane no normal turns and nothing is swept when a corner is cut off.
+//! `E_norm = max (1 - o . n)` over the surviving triangles, with unit normals `o` before and `n` after: 0 without
+//! rotation, 1 at a right angle, 2 upside down. Removed triangles have no normal afterwards and do not count. Rims
+//! (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times their swept area:
+//! cutting off a corner of a plane turns no normal and sweeps no volume.
 
 use glam::{DVec3, Vec3};
 
@@ -19,21 +19,21 @@ use crate::simplify::surface::WorkingSurface;
 pub struct Hybrid;
 
 impl Hybrid {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self
     }
 }
 
-/// How much the collapse to `x` turns a triangle. One without area before cannot turn; one without area afterwards
-/// counts as a right angle.
+/// Returns `1 - o . n` of a triangle if the collapse goes to `x`. A triangle without area before cannot turn; a triangle
+/// without area afterwards counts as a right angle.
 fn turn(facet: &Facet, x: DVec3) -> f64 {
     let (old, new) = (facet.cross(), facet.cross_at(x));
     let lengths = (old.length_squared() * new.length_squared()).sqrt();
     if !facet.survives || old == DVec3::ZERO {
         0.0
     } else if lengths > 0.0 {
-        // Rounding must not make a flat neighbourhood cheaper than free.
+        // Rounding must not make a cost negative in a flat neighbourhood.
         (1.0 - old.dot(new) / lengths).clamp(0.0, 2.0)
     } else {
         1.0
@@ -67,8 +67,8 @@ impl ErrorMetric for Hybrid {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
-    /// The volume between the surface and one that is off by as much, times the turn of a normal where the surface is
-    /// off by that at one end of the edge and by nothing at the other: half of the squared slope.
+    /// The volume between the surface and a copy offset by the deviation, times the rotation of a normal if the surface
+    /// deviates by this distance at a single end of the edge: half of the squared slope.
     fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         let length2 = f64::from(surface.at(pair.lost).distance_squared(surface.at(pair.kept)));
         let turn = off.mean() / (2.0 * length2).max(f64::MIN_POSITIVE);

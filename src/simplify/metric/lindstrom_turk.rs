@@ -10,7 +10,7 @@
 //! cost = 1/2 f_V + 1/2 L^2 f_B
 //! ```
 //!
-//! All volumes come from the sums of `stars.rs`; borders and feature edges are rare and are walked.
+//! All volumes come from the sums of `stars.rs`. Borders and feature edges are rare and are visited one by one.
 
 use glam::{DVec3, Vec3};
 
@@ -21,19 +21,19 @@ use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingL
 use crate::simplify::curves::Rim;
 use crate::simplify::surface::WorkingSurface;
 
-/// Weight of the areas that creases and seams sweep. The volumes on either side hold creases already: by trial on a machined
-/// part the mean distance grows by a third with 1, the largest by as much with 0. Without any weight a seam slides over
-/// flat faces between colours that are constant on both sides.
+/// Weight of the areas swept by creases and seams. The volumes on either side hold creases already: by trial on a
+/// machined part the mean distance grows by a third with 1, and the largest distance by a third with 0. Without a weight
+/// a seam slides over flat faces between colours constant on both sides.
 const INNER: f64 = 0.1;
-/// 1/2 of the squared volume (a sixth of the product, squared).
+/// 1/2 of the squared volume (a sixth of the triple product, squared).
 const VOLUME: f64 = 0.5 / 36.0;
-/// 1/2 of the squared area (half of the product, squared).
+/// 1/2 of the squared area (half of the vector product, squared).
 const BOUNDARY: f64 = 0.5 / 4.0;
-/// Costs are squared volumes: 2^60 keeps them clear of the smallest numbers of single precision on any mesh.
+/// Scale of the costs, which are squared volumes: 2^60 keeps them clear of single-precision underflow on any mesh.
 const SCALE: f64 = (1u64 << 60) as f64 * VOLUME;
 
-/// The metric of Lindstrom and Turk. Made for [`Placement::Optimal`](crate::simplify::Placement::Optimal), where closed
-/// meshes keep their volume.
+/// The metric of Lindstrom and Turk. Made for [`Placement::Optimal`](crate::simplify::Placement::Optimal), which
+/// preserves the volume of closed meshes.
 #[derive(Debug, Clone)]
 pub struct LindstromTurk {
     stars: StarSums,
@@ -46,19 +46,19 @@ impl Default for LindstromTurk {
 }
 
 impl LindstromTurk {
-    /// The metric, with the paper's weights (1/2 and 1/2).
+    /// Creates the metric, with the paper's weights (1/2 and 1/2).
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Twice the area of a triangle around the two points: root mean square.
+    /// Root mean square of twice the area of the triangles around the two points.
     fn double_area(&self, surface: &WorkingSurface, pair: Pair) -> f64 {
         let count = surface.valence(pair.lost) + surface.valence(pair.kept);
         let squares = self.stars.squares(pair.lost) + self.stars.squares(pair.kept);
         (squares / count.max(1) as f64).sqrt()
     }
 
-    /// Volumes and rims of a candidate with a point on a curve, relative to the lost point.
+    /// Sums the volumes and rims of a candidate with a point on a curve, relative to the lost point.
     #[cold]
     fn at_rim(&self, surface: &WorkingSurface, pair: Pair) -> (Sum, Border) {
         let mut sum = self.stars.region(surface, pair);
@@ -77,7 +77,7 @@ fn is_at_rim(surface: &WorkingSurface, pair: Pair) -> bool {
     surface.is_on_curve(pair.lost) | surface.is_on_curve(pair.kept)
 }
 
-/// The areas that borders and rims sweep, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
+/// The areas swept by borders and rims, relative to the lost point: the edge from p to q sweeps `(s - x * e) / 2` with
 /// `e = q - p` and `s = p * q`, where * is the vector product.
 #[derive(Debug, Clone, Copy, Default)]
 struct Border {
@@ -112,7 +112,7 @@ impl Border {
         border
     }
 
-    /// Two conditions that put the point on the line along `e` where the summed area vector is shortest.
+    /// Adds two constraints: the point lies on the line along `e` on which the summed area vector is shortest.
     fn preserve(&self, constraints: &mut Constraints) {
         let toward = self.e.cross(self.s);
         constraints.add(toward, toward.length_squared() / self.e.length_squared().max(f64::MIN_POSITIVE));
@@ -144,15 +144,16 @@ impl ErrorMetric for LindstromTurk {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
-    /// Squared volumes, as for attributes: at each of its corners every triangle counts with twice its area, squared. As far
-    /// off, a triangle of mean size costs as much: else small parts of small triangles would cost next to nothing.
+    /// Squared volumes, as in [`attribute_cost`](ErrorMetric::attribute_cost): every triangle counts at each of its three
+    /// corners, with its squared distance times the square of twice its area. The mean triangle area of the surface
+    /// stands for the part's own: otherwise small parts of small triangles would cost next to nothing.
     fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
         let double_area = 2.0 * f64::from(loss.mean_area);
         Some(finite(6.0 * f64::from(loss.integral) * double_area * SCALE))
     }
 
-    /// A squared volume is a squared distance times the square of twice the area, not twice the area: so the exchange
-    /// rate is twice the area of a triangle around.
+    /// A squared volume is a squared distance times the square of twice the area, whereas `off.sum` has twice the area:
+    /// the exchange rate is twice the area of a triangle around the pair.
     fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         finite(f64::from(off.sum) * self.double_area(surface, pair) * SCALE)
     }
@@ -186,7 +187,7 @@ impl ErrorMetric for LindstromTurk {
     }
 }
 
-/// The position with all conditions taken in order.
+/// Solves for the position, adding the constraints in order.
 #[cold]
 fn place(
     surface: &WorkingSurface,

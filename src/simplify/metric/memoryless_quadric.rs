@@ -1,7 +1,7 @@
-//! Area-weighted squared distances to the planes of the current triangles around (Southern 3.2.2, Hoppe 1999).
+//! Area-weighted squared distances to the planes of the current triangles around the pair (Southern 3.2.2, Hoppe 1999).
 //!
-//! Unlike the accumulated quadric it counts each triangle once, and knows nothing of the input: errors do not add up,
-//! which Hoppe found to give the better meshes.
+//! Unlike the accumulated quadric it counts each triangle once and knows nothing of the input. Errors do not accumulate,
+//! which Hoppe found to give better meshes.
 
 use glam::Vec3;
 
@@ -11,11 +11,11 @@ use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::WorkingSurface;
 
-/// Weight of the planes upright on borders, feature edges and creases against triangles of the same area.
+/// Weight of the planes upright on borders, feature edges and creases, relative to triangles of equal area.
 const UPRIGHT: f64 = 4.0;
 
-/// Squared distances to the planes of the triangles around both points, each once, weighted by area; and to planes
-/// upright on borders, feature edges and creases.
+/// Squared distances to the planes of the triangles around both points, each triangle once, weighted by twice its area;
+/// and to planes upright on borders, feature edges and creases.
 #[derive(Debug, Clone)]
 pub struct MemorylessQuadric {
     stars: StarSums,
@@ -28,7 +28,7 @@ impl Default for MemorylessQuadric {
 }
 
 impl MemorylessQuadric {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self::default()
     }
@@ -70,8 +70,8 @@ impl ErrorMetric for MemorylessQuadric {
         Some(((lost + x).as_vec3().into(), finite(sum.at(x))))
     }
 
-    /// Each triangle counts once with its area, and the patch that a collapse changes has the form of a tent, whose
-    /// mean squared height is a sixth of the squared peak.
+    /// The patch changed by a collapse has the form of a tent, whose mean squared height is 1/6 of the squared peak. Each
+    /// triangle counts once. The rate leaves out the factor 2 of the weight, which is twice the area.
     fn cost_per_deviation(&self, _: &WorkingSurface, _: Pair) -> Option<f32> {
         Some(6.0)
     }

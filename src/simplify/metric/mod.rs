@@ -1,4 +1,4 @@
-//! What a collapse costs: the seam between the simplifier and its error metrics.
+//! Costs of collapses: the interface between the simplifier and its error metrics.
 //!
 //! | metric | cost of a collapse | source |
 //! |---|---|---|
@@ -44,83 +44,84 @@ pub use volume_area::VolumeArea;
 use super::sequence::NewVertex;
 use super::surface::WorkingSurface;
 
-/// A candidate: `lost` would be merged into `kept`.
+/// A candidate collapse: `lost` is merged into `kept`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
-    /// The point that goes.
+    /// The point removed by the collapse.
     pub lost: u32,
-    /// The point that stays (and may move).
+    /// The remaining point, which may move.
     pub kept: u32,
 }
 
-/// What is known when a batch begins. Linear order is one batch.
+/// State at the start of a batch. In linear order the whole simplification is a single batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Batch {
-    /// Its number, from 0.
+    /// Number of the batch, from 0.
     pub index: usize,
-    /// Live triangles at its start.
+    /// Live triangles at the start of the batch.
     pub triangles: usize,
     /// Triangles of the input.
     pub input_triangles: usize,
-    /// Whether costs will be verified ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified)).
+    /// Whether costs are verified ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified)).
     pub verified: bool,
 }
 
 impl Batch {
-    /// The first batch on a surface, to ask a metric outside of a simplification.
+    /// Returns the first batch on a surface, for using a metric outside of a simplification.
     pub fn first(surface: &WorkingSurface) -> Self {
         let (triangles, input_triangles) = (surface.live_triangles(), surface.triangle_count());
         Self { index: 0, triangles, input_triangles, verified: false }
     }
 }
 
-/// What a collapse does to vertices.
+/// Vertex substitutions made by a collapse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Substitutions<'a> {
-    /// Where the merged point will lie, inner frame.
+    /// Position of the merged point, inner frame.
     pub position: [f32; 3],
-    /// `[from, to]`: every vertex that goes and the one it becomes.
+    /// `[from, to]`: every removed vertex and the vertex replacing it.
     pub pairs: &'a [[u32; 2]],
-    /// The number of the first of `new_vertices`.
+    /// Number of the first of `new_vertices`.
     pub first_new: u32,
-    /// The vertices that this collapse makes: some of the `to`.
+    /// Vertices created by this collapse: some of the `to`.
     pub new_vertices: &'a [NewVertex],
 }
 
-/// What a collapse costs.
+/// The cost of a collapse.
 ///
 /// Positions and lengths are in the surface's inner frame ([`Frame`](super::Frame)). Costs order collapses and have no
-/// other meaning; they must not be NaN and are taken as 0 where negative. Costs of different metrics do not compare,
-/// so a metric may change its coefficients only in [`begin`](ErrorMetric::begin).
+/// other meaning. They must not be NaN; negative costs count as 0. Costs of different metrics or coefficients do not
+/// compare, so a metric may change its coefficients only in [`begin`](ErrorMetric::begin).
 pub trait ErrorMetric: Send + Sync {
-    /// The name that the command line uses.
+    /// Name on the command line.
     fn name(&self) -> &'static str;
 
-    /// Called before the first candidate of each batch is looked at: the place to build accumulators and to change
-    /// coefficients. What accumulates must be built anew when `batch.index` is 0 (another mesh) and when nothing was
-    /// built yet (a metric that takes over in a later batch, see [`PerBatch`]).
+    /// Called before the first candidate of each batch is evaluated: the place to build accumulators and to change
+    /// coefficients. Accumulators must be rebuilt if `batch.index` is 0 (another mesh) or if they were never built (a
+    /// metric taking over in a later batch, see [`PerBatch`]).
     fn begin(&mut self, surface: &WorkingSurface, batch: Batch);
 
-    /// The cost of merging `pair` at `position`.
+    /// Returns the cost of merging `pair` at `position`.
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32;
 
-    /// The cost of merging `pair` where `kept` lies: what endpoint placement asks for. Worth its own formula where
-    /// that is cheaper.
+    /// Returns the cost of merging `pair` at the position of `kept`, as used by endpoint placement. Worth its own formula
+    /// if cheaper.
     fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         self.cost(surface, pair, surface.position(pair.kept))
     }
 
-    /// The costs of merging `lost` into each of `kept` where those lie, into `costs` (of the same length): the same
-    /// numbers as [`cost_at_kept`](ErrorMetric::cost_at_kept), which is asked one by one unless there is a quicker way.
+    /// Writes the costs of merging `lost` into each of `kept` at the position of the kept point to `costs`, which has the
+    /// length of `kept`. The costs must equal [`cost_at_kept`](ErrorMetric::cost_at_kept). By default each is computed
+    /// separately.
     fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         for (&kept, cost) in kept.iter().zip(costs) {
             *cost = self.cost_at_kept(surface, Pair { lost, kept });
         }
     }
 
-    /// The position of least cost and its cost; `None` where the metric has no opinion (the midpoint is taken).
+    /// Returns the position of least cost and its cost; `None` if the metric has no optimum (the midpoint is taken).
     fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)>;
 
     /// Called just before `pair` is merged at `position`.
@@ -128,43 +129,43 @@ pub trait ErrorMetric: Send + Sync {
         let _ = (surface, pair, position);
     }
 
-    /// Called just after `pair` was merged: the place to bring up to date what is known of `kept` and of the points
-    /// around it.
+    /// Called just after `pair` was merged: the place to update the data of `kept` and of the points around it.
     fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
         let _ = (surface, pair);
     }
 
-    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with what the collapse
-    /// does to vertices: for metrics that keep something per vertex (wedge).
+    /// Called after [`collapsing`](ErrorMetric::collapsing), still before the surface changes, with the vertex
+    /// substitutions of the collapse: for metrics with data per vertex (wedge).
     fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
         let _ = (surface, substitutions);
     }
 
-    /// What one unit of the integral of squared distance over area (inner units) costs here: the exchange rate between
-    /// this metric and what is measured or added ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
-    /// [`WithAttributes`]). `None` where costs are no squared distances.
+    /// Returns the cost of 1 unit of the integral of squared distance over area (inner units): the exchange rate between
+    /// this metric and measured errors or attributes ([`ErrorMeasure::Verified`](super::ErrorMeasure::Verified),
+    /// [`WithAttributes`]). `None` if costs are no squared distances.
     fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         let _ = (surface, pair);
         None
     }
 
-    /// What it costs that a part of the surface vanishes, where that compares with this metric's costs but is no matter of
-    /// [`cost_per_deviation`](ErrorMetric::cost_per_deviation).
+    /// Returns the cost of a vanishing part of the surface, for metrics without
+    /// [`cost_per_deviation`](ErrorMetric::cost_per_deviation) whose costs still compare with such a loss; otherwise
+    /// `None`.
     fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
         let _ = loss;
         None
     }
 
-    /// What attributes that are off cost here, in this metric's own unit: the exchange rate of [`WithAttributes`]. By
-    /// default squared deviations times area, at the rate of [`cost_per_deviation`](ErrorMetric::cost_per_deviation)
-    /// where there is one: the sum counts every triangle at its three corners with twice its area, which is six times
-    /// the integral.
+    /// Returns the cost of attribute deviations in this metric's own unit: the exchange rate of [`WithAttributes`]. By
+    /// default `off.sum * rate / 6`, with `rate` from [`cost_per_deviation`](ErrorMetric::cost_per_deviation): `off.sum`
+    /// counts every triangle at its three corners with twice its area, which is 6 times the integral. Without a rate,
+    /// `off.sum`.
     fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         off.sum * self.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0)
     }
 
-    /// The position where this metric and attributes cost least together, and what both cost there; `None` where the
-    /// metric has no opinion. By default [`optimum`](ErrorMetric::optimum), whatever the attributes say.
+    /// Returns the position of least total cost of this metric and the attributes, and the total cost there; `None` if
+    /// the metric has no optimum. By default the position is [`optimum`](ErrorMetric::optimum), whatever the attributes.
     fn optimum_with(
         &self,
         surface: &WorkingSurface,
@@ -175,57 +176,59 @@ pub trait ErrorMetric: Send + Sync {
         Some((x, cost + self.attribute_cost(surface, pair, attributes.at(x))))
     }
 
-    /// Whether attributes count in these costs already, so that a simplifier does not add them once more.
+    /// Whether these costs count attributes already, so that a simplifier does not add them again.
     fn counts_attributes(&self) -> bool {
         false
     }
 
-    /// The names of the mesh's attributes that count here. Vertices that collapses make get values of these that fit the
-    /// surface; values of others are blends.
+    /// Names of the mesh's attributes counted by this metric. Vertices created by collapses get values of these
+    /// attributes fitted to the surface. Values of all other attributes are blended.
     fn attribute_names(&self) -> &[String] {
         &[]
     }
 
-    /// What attributes would be off by if the vertex `from` was substituted by `to` as it is, its point lying at
-    /// `position` (inner frame); `None` where the metric keeps no attributes.
+    /// Returns the attribute deviation if vertex `to`, unchanged, replaces vertex `from` and its point lies at `position`
+    /// (inner frame); `None` if the metric keeps no attributes.
     fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
         let _ = (from, to, position);
         None
     }
 
-    /// What costs depend on besides the two positions, so that no more is looked at again than must be.
+    /// The data that costs depend on besides the two positions. Limits how many costs are recomputed after a collapse.
     fn dependence(&self) -> Dependence {
         Dependence::Triangles
     }
 }
 
-/// What is lost where a part of the surface vanishes, inner units.
+/// The loss caused by a vanishing part of the surface, inner units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct VanishingLoss {
-    /// The integral of squared distance from what is left over the part's area; while it waits at least that, by its size alone.
+    /// Integral over the part's area of the squared distance to the remaining surface. While the part waits: a lower
+    /// bound from the part's size alone.
     pub integral: f32,
-    /// The part's area, in the input.
+    /// Area of the part, in the input.
     pub area: f32,
-    /// How many triangles it has, those over the same points counted once.
+    /// Number of triangles of the part. Triangles over equal points count once, estimated by their share in the whole
+    /// surface.
     pub triangles: usize,
-    /// The area of all parts in the input, for each triangle that is left.
+    /// Area of all parts in the input, per remaining triangle.
     pub mean_area: f32,
 }
 
-/// What the cost of a pair depends on, besides where its points are.
+/// The data that the cost of a pair depends on, besides the positions of its points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dependence {
-    /// What was accumulated at the lost point, and at the kept one only where the merged point is not put there.
-    /// Costs of pairs must not fall as their points take in others.
+    /// Data accumulated at the lost point; data of the kept point only if the merged point is placed elsewhere. Costs of
+    /// pairs must not fall when their points absorb other points.
     Lost,
-    /// What was accumulated at both points.
+    /// Data accumulated at both points.
     Both,
-    /// The triangles around both points as they are now: every collapse makes the costs around it stale.
+    /// The current triangles around both points: every collapse makes the costs around it stale.
     Triangles,
 }
 
-/// Passes every call on to what the type points to.
+/// Forwards every call to the pointee.
 macro_rules! pass_on {
     ($($header:tt)*) => {
         $($header)* {
@@ -297,7 +300,7 @@ mod tests {
     use super::*;
     use crate::mesh::{Topology, shapes};
 
-    /// Also behind a box and through [`PerBatch`], for every number of neighbours that lanes of four can meet.
+    /// Also tests boxes and [`PerBatch`], for every number of neighbours modulo the four lanes.
     #[test]
     fn costs_together_are_the_costs_one_by_one() {
         let mesh = shapes::terrain(8, 3);

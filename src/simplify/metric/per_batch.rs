@@ -1,4 +1,4 @@
-//! A metric that may be another one in each batch (Southern 3.3): cheap and even first, careful later, or as it likes.
+//! A metric replaced in each batch (Southern 3.3): for example cheap and even first, careful later.
 
 use std::fmt;
 
@@ -18,8 +18,8 @@ use crate::simplify::surface::WorkingSurface;
 /// });
 /// ```
 ///
-/// Every batch starts with a new metric: what accumulates, as [`Quadric`](super::Quadric), starts from the mesh as it is
-/// then. In linear order there is one batch.
+/// Every batch starts with a new metric: accumulated data, as in [`Quadric`](super::Quadric), starts from the current
+/// mesh. In linear order there is a single batch.
 pub struct PerBatch {
     choose: Box<dyn FnMut(Batch) -> Box<dyn ErrorMetric> + Send + Sync>,
     current: Box<dyn ErrorMetric>,
@@ -32,7 +32,7 @@ impl fmt::Debug for PerBatch {
 }
 
 impl PerBatch {
-    /// The metric that `choose` makes for each batch.
+    /// Uses the metric returned by `choose` for each batch.
     pub fn new(choose: impl FnMut(Batch) -> Box<dyn ErrorMetric> + Send + Sync + 'static) -> Self {
         Self { choose: Box::new(choose), current: Box::new(EdgeLength) }
     }

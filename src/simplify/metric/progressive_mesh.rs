@@ -1,11 +1,11 @@
-//! Squared distances to the planes around plus springs (Southern 3.2.1, after Hoppe 1996).
+//! Squared distances to the planes around the pair, plus springs (Southern 3.2.1, after Hoppe 1996).
 //!
 //! ```text
 //!   E(x) = sum over triangles around both  (n . (x - p) / |n|)^2  +  kappa * sum over the points around  |x - w|^2
 //! ```
 //!
-//! The distance divides by |n|; the paper's text divides by |n . q|, which would always give 1. Springs keep triangles
-//! well shaped where the surface is flat; Hoppe lets them fade as the mesh gets coarser, hence the schedule.
+//! The distance divides by |n|; the paper's text divides by |n . q|, giving always 1. Springs keep triangles well shaped
+//! on flat surfaces. Hoppe lets them fade as the mesh gets coarser, hence the schedule.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
 use crate::simplify::surface::WorkingSurface;
 
-/// Weight of the planes upright on borders, feature edges and creases against that of a triangle's plane.
+/// Weight of the planes upright on borders, feature edges and creases, relative to the plane of a triangle.
 const UPRIGHT: f64 = 4.0;
 
 /// Distances to planes plus springs.
@@ -41,13 +41,13 @@ impl fmt::Debug for ProgressiveMeshMetric {
 }
 
 impl ProgressiveMeshMetric {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// How stiff the springs are, 0 (none) and up; anything else counts as 0. Squared lengths against squared distances:
-    /// no unit. Default 0.00001: enough to decide on planes.
+    /// Sets the stiffness of the springs, 0 (none) and up; any other value counts as 0. Weighs squared lengths against
+    /// squared distances: no unit. Default 0.00001: enough to decide on planes.
     #[must_use]
     pub fn with_kappa(mut self, kappa: f32) -> Self {
         self.kappa = stiffness(kappa);
@@ -55,14 +55,14 @@ impl ProgressiveMeshMetric {
         self
     }
 
-    /// The stiffness of each batch, asked for when it begins; the same range.
+    /// Sets the stiffness of each batch, evaluated at its start, 0 (none) and up; any other value counts as 0.
     #[must_use]
     pub fn with_schedule(mut self, schedule: impl Fn(Batch) -> f32 + Send + Sync + 'static) -> Self {
         self.schedule = Some(Box::new(schedule));
         self
     }
 
-    /// Distances and springs, relative to the lost point.
+    /// Sums distances and springs, relative to the lost point.
     fn region(&self, surface: &WorkingSurface, pair: Pair) -> Sum {
         let mut sum = self.stars.region(surface, pair);
         if self.kappa > 0.0 {
@@ -76,7 +76,7 @@ impl ProgressiveMeshMetric {
     }
 }
 
-/// Triangles around the two points, those on the edge counted twice.
+/// Number of triangles around the two points; triangles on the edge count twice.
 fn planes(surface: &WorkingSurface, pair: Pair) -> f64 {
     (surface.valence(pair.lost) + surface.valence(pair.kept)) as f64
 }
@@ -85,8 +85,8 @@ fn stiffness(kappa: f32) -> f64 {
     if kappa.is_finite() && kappa > 0.0 { f64::from(kappa) } else { 0.0 }
 }
 
-/// One spring from every point around the region, relative to `origin`. Each edge opposite one of the ends carries half
-/// of the springs of its points: around an interior edge every point lies on two of them and is counted once.
+/// Sums a spring from every point around the region, relative to `origin`. Each edge opposite either end carries half of
+/// the springs of its points: around an interior edge every point lies on two of these edges and is counted once.
 fn springs(surface: &WorkingSurface, pair: Pair, origin: DVec3) -> Sum {
     let mut sum = Sum::default();
     let mut add = |w: DVec3| {
@@ -125,7 +125,7 @@ impl ErrorMetric for ProgressiveMeshMetric {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
-    /// Distances are not weighted by area: as many planes as there are around are off by the mean.
+    /// Distances are not weighted by area: the mean squared deviation counts for each plane around the pair.
     fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         finite(off.mean() * planes(surface, pair))
     }

@@ -4,9 +4,9 @@
 //!   Q(x) = sum over planes of  weight * (n . (x - p))^2  =  d'Ad + 2 b'd + c,   d = x - origin
 //! ```
 //!
-//! Each quadric is kept relative to its own point, so the terms are as small as the neighbourhood and single precision
-//! loses nothing: with one origin for the whole mesh, `c` and `d'Ad` would cancel to rounding noise at errors below
-//! 1e-4 of the box.
+//! Each quadric is relative to its own point, so its terms are as small as the neighbourhood and single precision
+//! suffices. With a single origin for the whole mesh, `c` and `d'Ad` would cancel to rounding noise at errors below 1e-4
+//! of the box.
 
 use glam::{Vec3, Vec4};
 
@@ -15,7 +15,7 @@ use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair
 use crate::simplify::lanes::Lanes;
 use crate::simplify::surface::WorkingSurface;
 
-/// A sum of weighted squared distances to planes, relative to an origin its owner knows. 40 bytes.
+/// A sum of weighted squared distances to planes, relative to an origin known to its owner. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct PlaneQuadric {
     /// xx, yy, zz, xy, xz, yz.
@@ -25,14 +25,14 @@ pub(crate) struct PlaneQuadric {
 }
 
 impl PlaneQuadric {
-    /// The plane through the origin with unit normal `n`.
+    /// Returns the quadric of the plane through the origin with unit normal `n`.
     #[inline]
     pub fn plane(n: Vec3, weight: f32) -> Self {
         let w = n * weight;
         Self { a: [w.x * n.x, w.y * n.y, w.z * n.z, w.x * n.y, w.x * n.z, w.y * n.z], b: [0.0; 3], c: 0.0 }
     }
 
-    /// One over the root of the planes' summed weights.
+    /// `1 / sqrt(sum of the planes' weights)`.
     #[inline]
     fn evenness(&self) -> f32 {
         1.0 / (self.a[0] + self.a[1] + self.a[2]).sqrt().max(1e-12)
@@ -59,13 +59,13 @@ impl PlaneQuadric {
         )
     }
 
-    /// The value at `d` from the origin; never negative.
+    /// Returns the value at `d` from the origin; never negative.
     #[inline]
     pub fn at(&self, d: Vec3) -> f32 {
         (d.dot(self.times(d)) + 2.0 * d.dot(Vec3::from(self.b)) + self.c).max(0.0)
     }
 
-    /// The values at four offsets from the origin.
+    /// Returns the values at four offsets from the origin.
     #[inline]
     fn at_each(&self, d: &Lanes) -> Vec4 {
         let [x, y, z] = d.0;
@@ -75,13 +75,13 @@ impl PlaneQuadric {
         (d.dot(&times) + 2.0 * linear + self.c).max(Vec4::ZERO)
     }
 
-    /// Half the slope at `d` from the origin.
+    /// Half the gradient at `d` from the origin.
     #[inline]
     pub fn gradient(&self, d: Vec3) -> Vec3 {
         self.times(d) + Vec3::from(self.b)
     }
 
-    /// The same sum relative to an origin moved by `t`.
+    /// Returns this sum relative to an origin moved by `t`.
     #[inline]
     pub fn moved(&self, t: Vec3) -> Self {
         let at = self.times(t);
@@ -90,8 +90,8 @@ impl PlaneQuadric {
     }
 }
 
-/// The accumulated quadric: every point carries the squared distances to the planes of all input triangles that were
-/// merged into it, weighted by their area, and to planes upright on borders, feature edges and creases.
+/// The accumulated quadric: every point carries the squared distances to the planes of all input triangles merged into
+/// it, weighted by twice their area, and to planes upright on borders, feature edges and creases.
 #[derive(Debug, Clone, Default)]
 pub struct Quadric {
     /// Verified costs are sums and must be compared with sums.
@@ -100,7 +100,7 @@ pub struct Quadric {
 }
 
 impl Quadric {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self::default()
     }
@@ -126,9 +126,10 @@ impl ErrorMetric for Quadric {
         lost + kept + LENGTH_WEIGHT * surface.at(pair.kept).distance_squared(surface.at(pair.lost)).powi(2)
     }
 
-    /// What the collapse adds: the kept point does not move, so its own sum stays as it is. Divided by the root of
-    /// the area behind it: half-way between the sum and the mean of squared distances, which puts collapses of large
-    /// smooth parts before those of small features of the same sum, and measures 2 to 5 % better on coarse levels.
+    /// The cost added by the collapse: the kept point does not move, so its own sum stays unchanged. Divided by the root
+    /// of the area behind the lost point, half-way between the sum and the mean of squared distances: collapses of large
+    /// smooth parts come before collapses of small features with an equal sum, which measures 2 to 5 % better on coarse
+    /// levels.
     #[inline]
     fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
         let quadric = &self.quadrics[pair.lost as usize];
@@ -137,7 +138,7 @@ impl ErrorMetric for Quadric {
         if self.verified { sum } else { sum * quadric.evenness() }
     }
 
-    /// The same, four at a time.
+    /// Evaluates [`cost_at_kept`](ErrorMetric::cost_at_kept) four neighbours at a time.
     #[inline]
     fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         let quadric = &self.quadrics[lost as usize];
@@ -153,7 +154,7 @@ impl ErrorMetric for Quadric {
         }
     }
 
-    /// A triangle counts at each of its corners with twice its area: six times the integral.
+    /// A triangle counts at each of its three corners with twice its area: 6 times the integral.
     fn cost_per_deviation(&self, _: &WorkingSurface, pair: Pair) -> Option<f32> {
         let evenness = if self.verified { 1.0 } else { self.quadrics[pair.lost as usize].evenness() };
         Some(6.0 * evenness)
@@ -163,8 +164,8 @@ impl ErrorMetric for Quadric {
         self.optimum_with(surface, pair, &AttributeQuadric::default())
     }
 
-    /// Sums of twice the area times squares, as the attributes' are; or, where the kept point stays, what becomes of
-    /// them here.
+    /// Attribute sums are sums of twice the area times squares, like this metric's. If the kept point stays unchanged,
+    /// they are scaled like [`cost_at_kept`](ErrorMetric::cost_at_kept).
     fn attribute_cost(&self, _: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         let even = off.added && !self.verified;
         off.sum * if even { self.quadrics[pair.lost as usize].evenness() } else { 1.0 }
@@ -200,7 +201,7 @@ impl ErrorMetric for Quadric {
     }
 }
 
-/// The quadric of every point of a surface, relative to the point.
+/// Returns the quadric of every point of a surface, relative to the point.
 fn point_quadrics(surface: &WorkingSurface) -> Vec<PlaneQuadric> {
     let mut quadrics = vec![PlaneQuadric::default(); surface.point_count()];
     for triangle in 0..surface.triangle_count() as u32 {
@@ -231,9 +232,9 @@ fn point_quadrics(surface: &WorkingSurface) -> Vec<PlaneQuadric> {
     quadrics
 }
 
-/// Weight of the fourth power of the way. Where a surface is flat all planes cost 0, and the choice would be left to
-/// numbers: then the shortest edges go first, which spreads collapses evenly. An edge as long as the mesh's box weighs as
-/// much as a distance of a hundred-thousandth of it over the whole.
+/// Weight of the fourth power of the edge length. On a flat surface all planes cost 0 and rounding would decide. With
+/// this weight the shortest edges go first, which spreads collapses evenly. An edge as long as the mesh's box costs as
+/// much as a distance of 1e-5 of the box over the whole mesh.
 const LENGTH_WEIGHT: f32 = 1e-10;
 
 /// Weight of the plane upright on a border, feature edge or crease, per squared length.

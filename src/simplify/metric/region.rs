@@ -1,4 +1,4 @@
-//! The triangles that a collapse removes or changes (Southern's TOP and BOT), each once, and sums over them.
+//! The triangles removed or changed by a collapse (Southern's TOP and BOT), each once, and sums over them.
 //!
 //! ```text
 //!         w1 --- w2              both ends' triangles: all are input to the costs.
@@ -15,31 +15,31 @@ use super::{AttributeQuadric, ErrorMetric, Pair};
 use crate::simplify::curves::Rim;
 use crate::simplify::surface::WorkingSurface;
 
-/// One triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
+/// A triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Facet {
     pub p: DVec3,
     pub q: DVec3,
     pub r: DVec3,
-    /// Whether it is still there after the collapse, with the new position in place of `p`.
+    /// Whether the triangle exists after the collapse, with the new position in place of `p`.
     pub survives: bool,
 }
 
 impl Facet {
-    /// The normal, as long as twice the area.
+    /// Normal, as long as twice the area.
     #[inline]
     pub fn cross(&self) -> DVec3 {
         (self.q - self.p).cross(self.r - self.p)
     }
 
-    /// The same after the collapse.
+    /// Normal after the collapse, as long as twice the area.
     #[inline]
     pub fn cross_at(&self, x: DVec3) -> DVec3 {
         (self.q - x).cross(self.r - x)
     }
 }
 
-/// Calls `visit` with the triangles around the lost point; those on the edge do not survive.
+/// Calls `visit` with the triangles around the lost point. Triangles on the edge do not survive.
 #[inline]
 pub(super) fn for_lost(surface: &WorkingSurface, pair: Pair, visit: impl FnMut(Facet)) {
     for_star(surface, pair.lost, pair.kept, true, visit);
@@ -70,8 +70,8 @@ pub(super) fn at(surface: &WorkingSurface, point: u32) -> DVec3 {
     surface.at(point).as_dvec3()
 }
 
-/// Calls `visit` with the ends of every border edge at either point that the collapse moves, as its triangle runs
-/// through it, each once; the edge between the two is among them where it is one.
+/// Calls `visit` with the ends of every border edge moved by the collapse, in the direction of its triangle, each once.
+/// Includes the collapsed edge if it is a border edge.
 pub(super) fn for_border_edges(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if !surface.is_border(point) {
@@ -92,8 +92,8 @@ pub(super) fn for_border_edges(surface: &WorkingSurface, pair: Pair, mut visit: 
     }
 }
 
-/// Calls `visit` with the ends of every rim at either point that the collapse moves, each once: borders, non-manifold
-/// edges, borders between materials, creases and seams. The edge between the two is among them where it is one.
+/// Calls `visit` with the ends of every rim moved by the collapse, each once: borders, non-manifold edges, borders
+/// between materials, creases and seams. Includes the collapsed edge if it is a rim.
 pub(super) fn for_rims(surface: &WorkingSurface, pair: Pair, mut visit: impl FnMut(DVec3, DVec3, Rim)) {
     for (point, other) in [(pair.lost, pair.kept), (pair.kept, pair.lost)] {
         if surface.is_on_curve(point) {
@@ -106,10 +106,11 @@ pub(super) fn for_rims(surface: &WorkingSurface, pair: Pair, mut visit: impl FnM
     }
 }
 
-/// Weight of the areas that seams sweep: enough that none slides over a flat face of one colour on either side.
+/// Weight of the areas swept by seams: enough to stop a seam sliding over a flat face with equal colours on both sides.
 const SEAM: f64 = 0.1;
 
-/// The area that rims sweep, seams a tenth of theirs, when both points go to `x`; those of the kept point sweep none where that stays.
+/// Returns the area swept by rims, seams weighed by a tenth, if both points go to `x`. Rims of the kept point sweep none
+/// if it stays.
 pub(super) fn swept_by_rims(surface: &WorkingSurface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
@@ -127,14 +128,14 @@ pub(super) fn length(surface: &WorkingSurface, pair: Pair) -> f64 {
     (at(surface, pair.kept) - at(surface, pair.lost)).length()
 }
 
-/// A cost fit for the queue: not negative, finite, a number.
+/// Clamps a cost for the queue: not negative, finite, not NaN.
 #[inline]
 pub(super) fn finite(cost: f64) -> f32 {
     if cost > 0.0 { cost.min(f64::from(f32::MAX)) as f32 } else { 0.0 }
 }
 
-/// The cheapest of a few places for the merged point, for metrics whose minimum has no formula: its ends, the middle,
-/// and where the swept volume is least in the square sense.
+/// Returns the cheapest of four places for the merged point: both ends, the middle, and the place of least squared swept
+/// volume. For metrics whose minimum has no formula.
 pub(super) fn cheapest_place(
     surface: &WorkingSurface,
     pair: Pair,
@@ -152,7 +153,7 @@ pub(super) fn cheapest_place(
     best.map(|(x, c)| (x.into(), c))
 }
 
-/// The same, with attributes at the metric's own exchange rate.
+/// Returns the cheapest of four places for the merged point, with attributes at the metric's own exchange rate.
 pub(super) fn cheapest_place_with(
     metric: &impl ErrorMetric,
     surface: &WorkingSurface,
@@ -164,8 +165,8 @@ pub(super) fn cheapest_place_with(
     })
 }
 
-/// Where the sum of squared volumes between the point and the region's triangles is least; near the middle of the edge
-/// as far as that leaves a choice.
+/// Returns the place with the least sum of squared volumes between the point and the region's triangles, nearest to the
+/// middle of the edge where the minimum is not unique.
 fn least_volume(surface: &WorkingSurface, pair: Pair) -> Vec3 {
     let origin = at(surface, pair.lost);
     let middle = 0.5 * (at(surface, pair.kept) - origin);

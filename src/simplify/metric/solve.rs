@@ -1,8 +1,8 @@
 //! Minima of quadratic functions in three unknowns, in double precision.
 //!
-//! Two ways, for two kinds of metric: [`nearest_minimum`] solves once and stays near where it started in directions that
-//! hardly matter; [`Constraints`] takes linear conditions one after the other and leaves out what does not go with the
-//! earlier ones (Lindstrom and Turk 1998, section 3).
+//! Provides two methods for two kinds of metric. [`nearest_minimum`] solves once and stays near its start in directions
+//! of little influence. [`Constraints`] takes linear constraints in order and leaves out constraints incompatible with
+//! the earlier ones (Lindstrom and Turk 1998, section 3).
 
 use glam::DVec3;
 
@@ -25,26 +25,26 @@ impl Symmetric {
         self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
 
-    /// Takes `n n'` away.
+    /// Subtracts `n n'`.
     #[inline]
     pub fn subtract_outer(&mut self, n: DVec3) {
         let terms = [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z];
         self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum -= term);
     }
 
-    /// Adds another.
+    /// Adds another matrix.
     #[inline]
     pub fn add(&mut self, other: &Self) {
         self.0.iter_mut().zip(other.0).for_each(|(sum, term)| *sum += term);
     }
 
-    /// The same times a number.
+    /// Returns this matrix times `factor`.
     #[inline]
     pub fn scaled(&self, factor: f64) -> Self {
         Self(self.0.map(|x| x * factor))
     }
 
-    /// This matrix times `v`.
+    /// Returns this matrix times `v`.
     #[inline]
     pub fn times(&self, v: DVec3) -> DVec3 {
         let [xx, yy, zz, xy, xz, yz] = self.0;
@@ -62,17 +62,17 @@ impl Symmetric {
     }
 }
 
-/// What part of the trace every eigenvalue is raised by: directions that matter a million times less than the others
+/// Share of the trace added to every eigenvalue: directions with less than a millionth of the influence of the others
 /// keep to the start.
 const RAISE: f64 = 1e-6;
 
-/// The step `d` that minimises `d'Hd + 2 g'd` where `H` is positive semidefinite, with a slight pull to 0 so that it is
-/// unique and never far: on a plane the step is along the normal, on a ridge across it. 0 where `H` is.
+/// Returns the step `d` minimising `d'Hd + 2 g'd` for a positive semidefinite `H`. Every eigenvalue is raised slightly so
+/// that the step is unique and never far: on a plane the step is along the normal, on a ridge across it. 0 if `H` is 0.
 pub(super) fn nearest_minimum(h: &Symmetric, gradient: DVec3) -> DVec3 {
     let raise = h.trace() * RAISE;
     let [xx, yy, zz, xy, xz, yz] = h.0;
     let (xx, yy, zz) = (xx + raise, yy + raise, zz + raise);
-    // Cofactors: fine in double precision, as the raised matrix has a condition of at most a million.
+    // Cofactors: accurate in double precision, as the raised matrix has a condition of at most a million.
     let c = [yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy];
     let determinant = xx * c[0] + xy * c[1] + xz * c[2];
     let step = DVec3::new(
@@ -83,15 +83,15 @@ pub(super) fn nearest_minimum(h: &Symmetric, gradient: DVec3) -> DVec3 {
     if step.is_finite() { step } else { DVec3::ZERO }
 }
 
-/// cos^2 and sin^2 of 1 degree: conditions whose normals are closer than this to being dependent are left out.
+/// cos^2 and sin^2 of 1 degree: constraints whose normals are within this angle of being dependent are left out.
 const COS2: f64 = 0.999_695_413_509_547_9;
 const SIN2: f64 = 0.000_304_586_490_452_134_8;
 
-/// How small a gradient's row may be against the matrix before it is rounding noise: positions carry 24 bits, so on a
-/// plane slopes are noise of about 1e-5, and their squares 1e-10.
+/// Ratio of a gradient's row to the matrix below which the row is rounding noise: positions carry 24 bits, so on a plane
+/// slopes are noise of about 1e-5, and their squares 1e-10.
 const NOISE: f64 = 1e-10;
 
-/// Up to three conditions `a . x = b` with independent normals.
+/// Up to three constraints `a . x = b` with independent normals.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Constraints {
     a: [DVec3; 3],
@@ -100,13 +100,13 @@ pub(super) struct Constraints {
 }
 
 impl Constraints {
-    /// Whether they determine a point.
+    /// Whether the constraints determine a point.
     #[inline]
     pub fn is_full(&self) -> bool {
         self.len == 3
     }
 
-    /// Adds a condition if it is compatible with those already there.
+    /// Adds a constraint if it is compatible with the earlier constraints.
     #[inline]
     pub fn add(&mut self, a: DVec3, b: f64) {
         let length2 = a.length_squared();
@@ -127,7 +127,7 @@ impl Constraints {
         }
     }
 
-    /// Adds what it takes to minimise `x'Hx - 2 c'x` among the points that satisfy the conditions so far.
+    /// Adds the constraints minimising `x'Hx - 2 c'x` among the points satisfying the earlier constraints.
     #[inline]
     pub fn minimise(&mut self, h: &Symmetric, c: DVec3) {
         let least = (h.trace() * NOISE).powi(2);
@@ -149,7 +149,7 @@ impl Constraints {
         }
     }
 
-    /// The point, if it is determined.
+    /// Returns the point satisfying all constraints; `None` with fewer than three.
     #[inline]
     pub fn point(&self) -> Option<DVec3> {
         if self.len < 3 {
@@ -162,8 +162,9 @@ impl Constraints {
     }
 }
 
-/// The point that minimises `x'Hx - 2 c'x` on the plane `n . x = d`, where all conditions are compatible: what
-/// [`Constraints`] finds from `add(n, d)` and `minimise(h, c)`, without normalising anything. `None` where one is not.
+/// Returns the point minimising `x'Hx - 2 c'x` on the plane `n . x = d` if all constraints are compatible: the point
+/// found by [`Constraints`] from `add(n, d)` and `minimise(h, c)`, without normalising. `None` if a constraint is
+/// incompatible.
 #[inline]
 pub(super) fn minimise_on_plane(h: &Symmetric, c: DVec3, n: DVec3, d: f64) -> Option<DVec3> {
     let n2 = n.length_squared();
@@ -173,7 +174,8 @@ pub(super) fn minimise_on_plane(h: &Symmetric, c: DVec3, n: DVec3, d: f64) -> Op
     let (hq, hr) = (h.times(q), h.times(r));
     let (q2, r2) = (q.length_squared(), r.length_squared());
     let (qq, qr, rr) = (q.dot(hq), q.dot(hr), r.dot(hr));
-    // The first row's part in the plane, and the area that both span there (both as lengths in units of q and r).
+    // Squared length of the first row's part in the plane, and the area spanned by both rows there (both as lengths in
+    // units of q and r).
     let first = qq * qq * r2 + qr * qr * q2;
     let determinant = qq * rr - qr * qr;
     let (hq2, hr2) = (hq.length_squared(), hr.length_squared());

@@ -1,14 +1,14 @@
-//! Sums over the triangles around every point, kept up to date: what makes memoryless quadratic costs cheap.
+//! Sums over the triangles around every point, kept up to date: they make memoryless quadratic costs cheap.
 //!
 //! ```text
 //!   cost of merging u and v at x  =  sum over triangles around either of  (m . (x - p))^2
 //!                                 =  (x-u)' A_u (x-u)  +  (x-v)' A_v (x-v)  -  the same for the triangles on uv
 //! ```
 //!
-//! where `m` is a triangle's normal, of a length that says how much it counts. The plane of a triangle around `u` runs
-//! through `u`, so relative to `u` the sum is the matrix `A_u = sum mm'` alone. A candidate then costs two matrices and
-//! the triangles on its edge instead of a walk around both points; in return every collapse sums up the stars of the
-//! points around it anew. Nothing drifts: sums are never updated by differences.
+//! where `m` is a triangle's normal, with a length chosen by [`Weight`]. The plane of a triangle around `u` runs through
+//! `u`, so relative to `u` the sum is the matrix `A_u = sum mm'` alone. A candidate then takes two matrices and the
+//! triangles on its edge instead of a walk around both points. In return every collapse recomputes the stars of the
+//! points around it. Sums are never updated by differences, so nothing drifts.
 
 use glam::{DVec3, Vec3};
 
@@ -17,19 +17,19 @@ use super::region::at;
 use super::solve::Symmetric;
 use crate::simplify::surface::WorkingSurface;
 
-/// How much the plane of a triangle counts, as a length for its normal.
+/// Weight of the plane of a triangle, as a length of its normal `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Weight {
     /// `m . (x - p)` is six times the volume between `x` and the triangle.
     Volume,
-    /// Its square is the squared distance times twice the area.
+    /// `(m . (x - p))^2` is the squared distance times twice the area.
     Area,
-    /// It is the distance.
+    /// `m . (x - p)` is the distance.
     One,
 }
 
 impl Weight {
-    /// The normal `m`, from one as long as twice the area; 0 for a triangle without area.
+    /// Returns the normal `m` for a normal as long as twice the area; 0 for a triangle without area.
     #[inline]
     fn apply(self, cross: DVec3) -> DVec3 {
         let length = match self {
@@ -41,7 +41,7 @@ impl Weight {
     }
 }
 
-/// What the triangles around a point sum up to, relative to it.
+/// Sums over the triangles around a point, relative to the point.
 #[derive(Debug, Clone, Copy, Default)]
 struct Star {
     /// Sum of squared distances to planes.
@@ -50,8 +50,8 @@ struct Star {
     normals: DVec3,
 }
 
-/// The sums of a candidate's region as a function of `x` relative to the lost point:
-/// `planes = x'hx - 2 c'x + constant`, and `normals . x - offset` (six times the signed volume swept).
+/// Sums over a candidate's region as a function of `x` relative to the lost point: `planes = x'hx - 2 c'x + constant`,
+/// and `normals . x - offset` (6 times the signed volume swept).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sum {
     pub h: Symmetric,
@@ -62,7 +62,7 @@ pub(super) struct Sum {
 }
 
 impl Sum {
-    /// The sum of squared distances at `x`; not negative.
+    /// Returns the sum of squared distances at `x`; not negative.
     #[inline]
     pub fn at(&self, x: DVec3) -> f64 {
         (x.dot(self.h.times(x)) - 2.0 * self.c.dot(x) + self.constant).max(0.0)
@@ -72,11 +72,12 @@ impl Sum {
 /// The sums around every point.
 #[derive(Debug, Clone)]
 pub(super) struct StarSums {
-    /// `m` of every triangle. Single precision: its direction is as sure as the corners are.
+    /// `m` of every triangle. Single precision, like the corners.
     normals: Vec<Vec3>,
     stars: Vec<Star>,
     weight: Weight,
-    /// Weight of the planes upright on feature edges and creases, each like a triangle of the edge's square; 0: none.
+    /// Weight of the planes upright on feature edges and creases; 0: none. With weight 1 such a plane counts like a
+    /// triangle whose doubled area is the edge's squared length.
     upright: f64,
 }
 
@@ -105,7 +106,7 @@ impl StarSums {
         }
     }
 
-    /// Sums up anew what a collapse into `kept` changed: its own star and those of its neighbours.
+    /// Recomputes the sums changed by a collapse into `kept`: the stars of `kept` and of its neighbours.
     pub fn update(&mut self, surface: &WorkingSurface, kept: u32) {
         let p = at(surface, kept);
         for corner in surface.star(kept) {
@@ -136,13 +137,13 @@ impl StarSums {
         star
     }
 
-    /// The sum of the squared lengths of the normals around a point (and of planes upright there).
+    /// Sum of the squared lengths of the normals around a point (and of planes upright there).
     #[inline]
     pub fn squares(&self, point: u32) -> f64 {
         self.stars[point as usize].planes.trace()
     }
 
-    /// The plane through an edge, upright on one of its triangles.
+    /// Returns the plane through an edge, upright on a triangle of the edge.
     fn upright(&self, surface: &WorkingSurface, point: u32, other: u32, triangle: u32) -> Symmetric {
         let edge = at(surface, other) - at(surface, point);
         let normal = self.normals[triangle as usize].as_dvec3();
@@ -151,7 +152,7 @@ impl StarSums {
         planes.scaled(self.upright)
     }
 
-    /// The sums of a candidate's region.
+    /// Returns the sums of a candidate's region.
     #[inline]
     pub fn region(&self, surface: &WorkingSurface, pair: Pair) -> Sum {
         let (lost, kept) = (&self.stars[pair.lost as usize], &self.stars[pair.kept as usize]);
@@ -169,7 +170,7 @@ impl StarSums {
                 h.add(&self.upright(surface, pair.lost, pair.kept, triangle).scaled(-1.0));
             });
         }
-        // The planes of the triangles on the edge hold both ends: they add nothing to the terms in `edge`.
+        // The planes of the triangles on the edge contain both ends: they add nothing to the terms in `edge`.
         let c = kept.planes.times(edge);
         Sum { h, c, constant: edge.dot(c), normals, offset: kept.normals.dot(edge) }
     }

@@ -8,8 +8,8 @@
 //!            c
 //! ```
 //!
-//! Rims (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times the area that they sweep: on a
-//! plane nothing is swept when a corner is cut off.
+//! Rims (borders, borders between materials, creases, and seams by a tenth) add the length of the edge times their swept
+//! area: cutting off a corner of a plane sweeps no volume.
 
 use glam::{DVec3, Vec3};
 
@@ -24,20 +24,20 @@ use crate::simplify::surface::WorkingSurface;
 pub struct UnsignedVolume;
 
 impl UnsignedVolume {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self
     }
 }
 
-/// The unsigned volume swept when both points go to `x`.
+/// Returns the unsigned volume swept if both points go to `x`.
 pub(super) fn swept(surface: &WorkingSurface, pair: Pair, x: DVec3) -> f64 {
     let mut sum = 0.0;
     for_region(surface, pair, |facet| sum += facet.cross().dot(x - facet.p).abs());
     sum / 6.0
 }
 
-/// The same where `lost` goes to `kept`: the triangles around `kept` sweep nothing.
+/// Returns the unsigned volume swept if `lost` goes to `kept`: the triangles around `kept` sweep nothing.
 pub(super) fn swept_to_kept(surface: &WorkingSurface, pair: Pair) -> f64 {
     let x = at(surface, pair.kept);
     let mut sum = 0.0;
@@ -66,7 +66,7 @@ impl ErrorMetric for UnsignedVolume {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
-    /// The volume between the surface and one that is off by as much.
+    /// Volume between the surface and a copy offset by the deviation.
     fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         finite(off.volume())
     }

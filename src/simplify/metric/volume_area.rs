@@ -6,10 +6,11 @@
 //!           + a millionth of |v1 - v2|^3
 //! ```
 //!
-//! The paper's formula says nothing of borders (no volume changes when a border point slides along the sheet) and
-//! leaves the order on a plane to chance: the term of rims (borders, borders between materials, creases, and seams by a tenth) and the last one mend that. Its volume variation can be read
-//! as the signed change or as what is swept; either alone is worse than both, as what is swept measures the distance now
-//! and the signed change adds up over the collapses to come.
+//! The paper's formula ignores borders (no volume changes when a border point slides along the sheet) and leaves the
+//! order on a plane to chance. Two terms mend this: the area swept by rims (borders, borders between materials, creases,
+//! and seams by a tenth) and the last term. The paper's volume variation can be read as the signed change or as the swept
+//! volume. Either alone is worse than both: the swept volume measures the present distance, and the signed change adds up
+//! over the collapses to come.
 
 use glam::{DVec3, Vec3};
 
@@ -24,20 +25,20 @@ use crate::simplify::surface::WorkingSurface;
 pub struct VolumeArea;
 
 impl VolumeArea {
-    /// The metric.
+    /// Creates the metric.
     pub fn new() -> Self {
         Self
     }
 }
 
-/// Weights against the swept volume, found on the meshes of the quality tables.
+/// Weights relative to the swept volume, found on the meshes of the quality tables.
 const SIGNED: f64 = 3.0;
 const AREA: f64 = 0.5;
 const INVERSION: f64 = 1.0;
 const RIM: f64 = 1.0;
 const TIE: f64 = 1e-6;
 
-/// What a collapse does to its region. Volumes are six times, areas twice what they are called.
+/// Changes of a region by a collapse. The fields hold 6 times the volumes and twice the areas.
 #[derive(Default)]
 struct Change {
     volume: f64,
@@ -98,14 +99,15 @@ impl ErrorMetric for VolumeArea {
         cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
     }
 
-    /// The volume between the surface and one that is off by as much to one side: swept, and as a signed change.
+    /// Volume between the surface and a copy offset by the deviation to a single side: counted as swept volume and as
+    /// signed change.
     fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
         finite((1.0 + SIGNED) * off.volume())
     }
 
-    /// The volume between the part and what is left, if its triangles were as large as the geometric mean of their own area
-    /// and the surface's mean. By their own area alone small parts cost next to nothing; by the other alone they wait until
-    /// all go at once.
+    /// Volume between the part and the remaining surface if the area of its triangles were the geometric mean of their
+    /// own area and the surface's mean. With their own area alone small parts cost next to nothing; with the surface's
+    /// mean alone they wait until all go at once.
     fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
         let distance = (f64::from(loss.integral) / f64::from(loss.area)).sqrt();
         let area = (f64::from(loss.area) * f64::from(loss.mean_area) * loss.triangles as f64).sqrt();

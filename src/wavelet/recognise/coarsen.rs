@@ -1,4 +1,4 @@
-//! One level of coarsening: takes four faces for one all over a component, or says why that cannot be.
+//! Coarsens a component by one level: merges faces in fours all over it, or says why this is impossible.
 //!
 //! ```text
 //!     for each of the four states of the first face
@@ -9,10 +9,9 @@
 //!         the groups are the faces of the coarser complex, the pairs of halves its edges
 //! ```
 //!
-//! The last condition is what labels alone cannot see: it makes every midpoint have six faces around it, three at a
-//! border, three for every face of an edge where many meet.
-//! Points need not tell new from old: one at which several fans of faces meet may be a midpoint in one fan and an old
-//! vertex in another.
+//! The last condition cannot be checked on labels alone. It ensures six faces around every midpoint: three at a border, and
+//! three for every face of an edge where many faces meet. Points need not be old or new everywhere: where several fans of faces
+//! meet at a point, the point may be a midpoint in one fan and an old vertex in another.
 
 use crate::mesh::NONE;
 
@@ -20,16 +19,16 @@ use super::complex::{Complex, FaceComplex};
 use super::label::{CENTRE, Labels, Refusal, STATES};
 use super::stop::Stop;
 
-/// A complex of a quarter of the faces.
+/// A coarser complex, with a quarter of the faces.
 pub(super) struct Coarsening {
     pub coarse: Complex,
-    /// Per coarse face, `3 * face + turn` for each child: corner `turn` of that finer face is the child's corner 0.
+    /// Per coarse face, `3 * face + turn` for each child: corner `turn` of finer face `face` is the child's corner 0.
     pub children: Vec<[u32; 4]>,
-    /// The state of the first finer face.
+    /// The state assumed for the first finer face.
     pub assumption: u8,
 }
 
-/// Coarsens a connected complex by the first assumption, from the given one on, that holds. O(n).
+/// Coarsens a connected complex by the first consistent assumption, from `from` on. O(n).
 pub(super) fn coarsen(
     complex: &Complex,
     surface: &FaceComplex,
@@ -55,7 +54,7 @@ pub(super) fn coarsen(
     Err(longest.stop)
 }
 
-/// Makes the coarse complex from labelled faces.
+/// Builds the coarse complex from labelled faces.
 fn group(
     complex: &Complex,
     surface: &FaceComplex,
@@ -90,13 +89,13 @@ fn group(
     Ok(Coarsening { coarse, children, assumption })
 }
 
-/// Four faces that make one: corner faces 0, 1, 2 and the centre, each as `3 * face + turn`.
+/// Four faces to be merged: corner faces 0, 1, 2 and the centre, each as `3 * face + turn`.
 struct Group {
     children: [u32; 4],
 }
 
 impl Group {
-    /// The group of a face.
+    /// Returns the group containing a face.
     fn around(complex: &Complex, labels: &Labels, face: u32) -> Self {
         let state = labels.state(face);
         let centre = if state == CENTRE {
@@ -114,7 +113,7 @@ impl Group {
         Self { children: [a, b, c, 3 * centre] }
     }
 
-    /// The wedge at a corner of a child.
+    /// Returns the wedge at corner `k` of a child.
     fn corner(&self, complex: &Complex, child: usize, k: u32) -> u32 {
         complex.corners.as_flattened()[turned(self.children[child], k)]
     }
@@ -142,7 +141,7 @@ impl Group {
         Ok(())
     }
 
-    /// The coarse edges along the three sides.
+    /// Returns the coarse edges along the three sides.
     fn edges(&self, complex: &Complex, sides: &mut Sides) -> Result<[u32; 3], Stop> {
         let edge = |child: usize, side: u32| complex.edges.as_flattened()[turned(self.children[child], side)];
         let mut own = [NONE; 3];
@@ -155,12 +154,12 @@ impl Group {
     }
 }
 
-/// Corner or side `k` of a face that is turned.
+/// Returns the index of corner or side `k` of a face given as `3 * face + turn`.
 fn turned(face: u32, k: u32) -> usize {
     (face - face % 3 + (face % 3 + k) % 3) as usize
 }
 
-/// Which edges are halves of one coarse edge.
+/// Pairs of edges: the halves of coarse edges.
 struct Sides {
     /// The other half of every edge.
     mate: Vec<u32>,
@@ -173,7 +172,7 @@ impl Sides {
         Self { mate: vec![NONE; edges], coarse: vec![NONE; edges], count: 0 }
     }
 
-    /// The coarse edge of two halves; none where they have other mates. Mates are each other's.
+    /// Returns the coarse edge of two halves; `None` if either half already has another mate. The mate relation is symmetric.
     fn join(&mut self, [a, b]: [u32; 2]) -> Option<u32> {
         let [i, j] = [a as usize, b as usize];
         if self.mate[i] == NONE && self.mate[j] == NONE {

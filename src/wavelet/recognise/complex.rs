@@ -1,4 +1,4 @@
-//! Faces glued along edges, as they are at one level of coarsening.
+//! Complexes: faces glued along edges, at a single level of coarsening.
 //!
 //! ```text
 //!     half-edge 3f + k     side k of face f, from corner k to corner k + 1
@@ -6,19 +6,19 @@
 //!     next                 the half-edges along one edge in a ring; a border edge is its own next
 //! ```
 //!
-//! Corners are *wedges* of the input at every level, so that seams can be told; what is glued is told by edges. The
-//! three corners of a face are distinct points.
+//! Corners are *wedges* of the input at every level, so seams stay known. Gluing is defined by edges. The three corners of a
+//! face are distinct points.
 
 use crate::mesh::NONE;
 
-/// What all levels of all components share.
+/// Properties of the input shared by all levels of all components.
 #[derive(Clone, Copy)]
 pub(super) struct FaceComplex<'a> {
     /// The point of every input vertex.
     pub point_of: &'a [u32],
-    /// Per input triangle, or empty.
+    /// Material per input triangle, or empty.
     pub materials: &'a [u32],
-    /// Whether seams may be inside coarse faces.
+    /// Whether seams may run inside coarse faces.
     pub across_seams: bool,
 }
 
@@ -66,12 +66,12 @@ impl Complex {
         self.edges.len()
     }
 
-    /// The next half-edge along the same edge, itself at a border.
+    /// Returns the next half-edge along the same edge; the half-edge itself at a border.
     pub fn next(&self, half_edge: u32) -> u32 {
         self.next[half_edge as usize]
     }
 
-    /// Whether the edge of a half-edge has more than two of them.
+    /// Whether the edge of a half-edge has more than two half-edges.
     pub fn is_non_manifold(&self, half_edge: u32) -> bool {
         self.next(self.next(half_edge)) != half_edge
     }

@@ -1,4 +1,4 @@
-//! What one face is tells what all faces of its component are.
+//! Labels faces: the state of a single face determines the states of all faces of its component.
 //!
 //! ```text
 //!            o            In a subdivided complex every face is a centre (3) or the corner face at an old vertex:
@@ -10,35 +10,35 @@
 //!          m---m                    where three or more faces meet
 //! ```
 //!
-//! So there are four assumptions about a component, one for each state of its first face. Each is followed breadth
-//! first to the end or to the first contradiction, in time linear in the faces it reaches.
+//! So there are four assumptions about a component, one for each state of its first face. Each is followed breadth-first to the
+//! end or to the first contradiction, in time linear in the faces reached.
 
 use super::complex::{Complex, FaceComplex};
 use super::stop::Stop;
 
-/// The state of a centre. States 0, 1 and 2 are those of a corner face, after the corner that is an old vertex.
+/// State of a centre. States 0, 1 and 2: a corner face whose old vertex is its corner 0, 1 or 2.
 pub(super) const CENTRE: u8 = 3;
-/// How many states there are.
+/// Number of states.
 pub(super) const STATES: u8 = 4;
 const UNKNOWN: u8 = STATES;
 
-/// Why an assumption does not hold, and how far it did.
+/// Why an assumption fails, and how many faces it reached.
 pub(super) struct Refusal {
     pub reached: usize,
     pub stop: Stop,
 }
 
-/// The states of the faces, and room to find them.
+/// States of faces, with the memory to find them.
 #[derive(Default)]
 pub(super) struct Labels {
-    /// At least as many as faces; all unknown that are not in the queue.
+    /// At least as many as faces; `UNKNOWN` for all faces outside the queue.
     state: Vec<u8>,
-    /// The faces whose state is known, in the order they were reached.
+    /// Faces of known state, in the order reached.
     queue: Vec<u32>,
 }
 
 impl Labels {
-    /// The state of a face after labels were spread.
+    /// Returns the state of a face after [`Labels::spread`].
     pub fn state(&self, face: u32) -> u8 {
         self.state[face as usize]
     }
@@ -63,8 +63,8 @@ impl Labels {
         Ok(())
     }
 
-    /// Takes the state of a face over one of its sides. Where many faces meet, to the next in the ring only: that one
-    /// passes it on, and the last one's word comes back to the first.
+    /// Carries the state of a face across one of its sides. Where many faces meet, carries it only to the next face in the
+    /// ring: each face passes the state on, and the last face is checked against the first.
     fn cross(&mut self, complex: &Complex, surface: &FaceComplex, face: u32, side: u32) -> Result<(), Stop> {
         let state = self.state(face);
         let half_edge = 3 * face + side;

@@ -1,4 +1,5 @@
-//! Finds the four-to-one subdivisions that a plain mesh has, and takes it apart down to the coarsest base complex.
+//! Recognises subdivision connectivity: takes a plain mesh apart into the coarsest base complex and its four-to-one
+//! subdivisions.
 //!
 //! ```text
 //!     weld, find edges, split into components                          (pieces.rs)
@@ -13,23 +14,22 @@
 //! | `mod.rs` | the driver, and what it returns |
 //! | `pieces.rs` | components |
 //! | `complex.rs` | faces glued along edges |
-//! | `label.rs` | the state of one face tells those of all |
-//! | `coarsen.rs` | four faces for one, all over a component |
-//! | `stop.rs` | why that ended |
+//! | `label.rs` | the state of a single face determines the states of all |
+//! | `coarsen.rs` | merging faces in fours, all over a component |
+//! | `stop.rs` | why coarsening ended |
 //!
-//! The problem is that of Taubin, "Is this a quadrisected mesh?" (ACM Solid Modeling 2001), who finds the coarse mesh of
-//! a manifold among the components of a covering mesh. Here labels that spread from one face do the work, on complexes
-//! of any kind.
+//! The problem is posed in Taubin, "Is this a quadrisected mesh?" (ACM Solid Modeling 2001). Taubin finds the coarse mesh of a
+//! manifold among the components of a covering mesh. Here labels spread from the first face instead, on complexes of any kind.
 //!
-//! **Several ways.** A vertex with other than six faces around it (three at a border, three for every face of an edge
-//! where many meet) is no midpoint, and one vertex known to be old settles the whole component. So more than one of
-//! the four assumptions can hold only where all vertices are regular: on a manifold, where the component is the
-//! triangular lattice rolled up. Of a torus, an annulus and a Moebius strip, shifts of the lattice map the ways onto each
-//! other. Of a Klein bottle, a glide reflection settles one coordinate of the old vertices, and whether there is a next
-//! level does not depend on the other. So the first way is as good as any, but for what is no part of the lattice:
-//! seams, materials, clashing orientation, and edges where many faces meet. For their sake the ways of a level are
-//! looked at again where the level above it cannot be coarsened, and the first that goes farther is taken. Each level
-//! is looked at twice at most, so that all stays linear; a way that fails only two levels above is not found out.
+//! **Ambiguity.** A midpoint has six faces around it: three at a border, and three for every face of an edge where many faces
+//! meet. Any other vertex is old, and a single known old vertex settles the whole component. So several of the four assumptions
+//! can hold only where all vertices are regular. On a manifold the component is then the triangular lattice rolled up. On a
+//! torus, an annulus and a Moebius strip, shifts of the lattice map the assumptions onto each other. On a Klein bottle, a glide
+//! reflection settles one coordinate of the old vertices, and the existence of a next level does not depend on the other. So
+//! the first assumption is as good as any, except for features outside the lattice: seams, materials, clashing orientation, and
+//! edges where many faces meet. Because of these features, if a level cannot be coarsened, the remaining assumptions of the
+//! level below are tried, and the first to allow a further level is taken. Each level is examined twice at most, so the total
+//! time is linear. An assumption failing only two levels above is not revised.
 
 mod coarsen;
 mod complex;
@@ -49,26 +49,26 @@ use pieces::Pieces;
 
 pub use stop::Stop;
 
-/// What [`recognise`] found in one component: triangles joined by edges.
+/// Result of [`recognise`] for a component: a set of triangles joined by edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Component {
     /// Number of input triangles.
     pub triangles: u32,
-    /// How many times each base face is split; 0: it has no such connectivity.
+    /// Number of times each base face is split; 0: the component has no subdivision connectivity.
     pub levels: u32,
     /// Number of base faces: `triangles / 4^levels`.
     pub base_faces: u32,
-    /// The first of them in the forest; the others follow it.
+    /// First base face of the component in the forest; its other base faces follow.
     pub first_base_face: u32,
-    /// The lowest input triangle.
+    /// The lowest input triangle of the component.
     pub first_triangle: u32,
     /// Why there are no more levels.
     pub stop: Stop,
 }
 
-/// One line.
+/// Writes a single line.
 impl fmt::Display for Component {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = |n: u32| if n == 1 { "" } else { "s" };
@@ -81,11 +81,11 @@ impl fmt::Display for Component {
     }
 }
 
-/// What [`recognise`] found.
+/// Result of [`recognise`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Recognition {
-    /// The whole mesh as a forest of faces: every input triangle is one leaf.
+    /// The whole mesh as a forest of faces: every input triangle is exactly 1 leaf.
     pub quadrisection: Quadrisection,
     /// The components, in order of their lowest triangle.
     pub components: Vec<Component>,
@@ -93,26 +93,25 @@ pub struct Recognition {
 
 /// Takes a mesh apart into the coarsest base complex of each component and its four-to-one subdivisions.
 ///
-/// A component is a set of triangles joined by edges between welded points ([`Topology`]). All of it is coarsened the
-/// same number of times, others may be more or less often. Borders, edges with three or more triangles, clashing
-/// orientation, attribute seams and changes of material may be anywhere along the edges of coarse faces, but not inside
-/// them; locks do not matter. Points where several fans of triangles meet are no obstacle: a point may be a midpoint
-/// in one fan and an old vertex in another. Duplicate triangles leave their component without levels, and so does a
-/// triangle that names a point twice, which is a component of its own.
+/// A component is a set of triangles joined by edges between welded points ([`Topology`]). All base faces of a component are
+/// split equally often; components may differ. Borders, edges with three or more triangles, clashing orientation, attribute
+/// seams and changes of material may run anywhere along the edges of coarse faces, but not inside coarse faces. Locks do not
+/// matter. Points where several fans of triangles meet are no obstacle: a point may be a midpoint in one fan and an old vertex
+/// in another. Duplicate triangles leave their component without levels. A triangle naming a point twice is a component of its
+/// own, without levels.
 ///
-/// Base faces are those of the first component, then of the second, and so on, each component's in order of their
-/// lowest input triangle. Corner 0 of a base face is its lowest wedge, but an input triangle that is a base face itself
-/// stays as it is.
+/// Base faces are ordered by component, then by their lowest input triangle. Corner 0 of a base face is its lowest wedge, but a
+/// base face that is itself an input triangle keeps the corner order of the input.
 ///
-/// Of several ways to coarsen, which only meshes without irregular vertices have, it takes the first that can be
-/// coarsened once more, in a fixed order. O(n) beyond the making of [`Topology`] and [`Edges`]; about 110 bytes a
-/// triangle while it runs.
+/// Several ways to coarsen exist only on meshes without irregular vertices. The ways are tried in a fixed order, and the first
+/// to allow a further coarsening is taken. O(n) beyond the making of [`Topology`] and [`Edges`]; about 110 bytes a triangle
+/// while it runs.
 pub fn recognise(mesh: &Mesh) -> Recognition {
     find(mesh, false)
 }
 
-/// The same, but components that attribute seams keep from getting coarser are coarsened across them: there one midpoint may
-/// be several wedges of one coarse face.
+/// Takes a mesh apart like [`recognise`], but coarsens components across attribute seams if the seams would stop coarsening.
+/// Then several wedges may share a midpoint inside a coarse face.
 pub fn recognise_across_seams(mesh: &Mesh) -> Recognition {
     find(mesh, true)
 }
@@ -167,7 +166,7 @@ fn find(mesh: &Mesh, across_seams: bool) -> Recognition {
     Recognition { quadrisection: tower.forest(roots), components }
 }
 
-/// What spares a look at a component.
+/// Returns why a component cannot be coarsened, where this shows without labelling.
 fn hopeless(piece: &[u32], sides: &[[u32; 3]]) -> Option<Stop> {
     let faces = piece.len() as u32;
     match piece {
@@ -177,12 +176,12 @@ fn hopeless(piece: &[u32], sides: &[[u32; 3]]) -> Option<Stop> {
     }
 }
 
-/// Makes complexes of components.
+/// Cuts components out of the mesh as complexes.
 struct Cutter<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
     sides: &'a [[u32; 3]],
-    /// Per edge of the mesh, its number in the component that is being cut; `NONE` in between.
+    /// Per edge of the mesh, its number in the component being cut; `NONE` between components.
     own_number: Vec<u32>,
 }
 
@@ -211,8 +210,8 @@ impl Cutter<'_> {
     }
 }
 
-/// All coarse faces so far. A *node* is an input triangle, or their number plus that of a coarse face; below
-/// `4/3 * 2^30`, so that three times a node fits 32 bits.
+/// All coarse faces so far. A *node* is an input triangle `t`, or `triangles + c` for coarse face `c`; below `4/3 * 2^30`, so
+/// three times a node fits 32 bits.
 struct Tower {
     triangles: u32,
     /// Per coarse face, its children as `3 * node + turn`.
@@ -224,12 +223,12 @@ impl Tower {
         Self { triangles, children: Vec::new() }
     }
 
-    /// The node that the next coarse face will be.
+    /// Returns the node of the next coarse face.
     fn next_node(&self) -> u32 {
         self.triangles + self.children.len() as u32
     }
 
-    /// Coarsens a component as often as it goes, and adds its base faces to the roots if there was a level. Returns
+    /// Coarsens a component as often as possible, and adds its base faces to the roots if there is at least 1 level. Returns
     /// the number of levels and why there are no more.
     fn raise(
         &mut self,
@@ -239,7 +238,7 @@ impl Tower {
         roots: &mut Vec<u32>,
     ) -> (u32, Stop) {
         let mut top = Level { first_node: NONE, complex };
-        // The level below the top, and the assumption that led from it to the top.
+        // The level below the top, and the assumption taken from it to the top.
         let mut below: Option<(Level, u8)> = None;
         let mut levels = 0;
         loop {
@@ -270,7 +269,7 @@ impl Tower {
         Level { first_node, complex: coarse }
     }
 
-    /// The faces below the roots, which are given as `3 * node + turn`, level by level.
+    /// Grows the forest level by level from roots given as `3 * node + turn`.
     fn forest(self, roots: Vec<u32>) -> Quadrisection {
         let base_faces = roots.len() as u32;
         let faces = self.triangles as usize + self.children.len();
@@ -288,7 +287,7 @@ impl Tower {
             }
             split.push(is_split);
         }
-        // A triangle is a node of its own number, so that what is left is in the form of leaves.
+        // A triangle is its own node, so `queue` already holds leaves as `3 * triangle + turn`.
         let mut leaves = queue;
         leaves.iter_mut().zip(&split).filter(|(_, split)| **split).for_each(|(leaf, _)| *leaf = NONE);
         Quadrisection::new(base_faces, split, leaves)
@@ -307,7 +306,7 @@ impl Level {
         if self.first_node == NONE { self.complex.lowest[face as usize] } else { self.first_node + face }
     }
 
-    /// A base face, turned so that its lowest wedge comes first.
+    /// Returns a base face as `3 * node + turn`, turned so its lowest wedge comes first.
     fn root(&self, face: usize) -> u32 {
         let [a, b, c] = self.complex.corners[face];
         let turn = if a < b && a < c { 0 } else { 1 + u32::from(c < b) };
@@ -315,7 +314,7 @@ impl Level {
     }
 }
 
-/// The first coarsening after the one taken that can itself be coarsened.
+/// Returns the first coarsening after the assumption `taken` which can itself be coarsened.
 fn other_way(below: &Complex, surface: &FaceComplex, labels: &mut Labels, taken: u8) -> Option<Coarsening> {
     let mut from = taken + 1;
     while let Ok(other) = coarsen(below, surface, labels, from) {

@@ -1,19 +1,19 @@
 //! Components: sets of triangles joined by edges, in order of their lowest triangle.
 //!
-//! A point alone joins nothing. A triangle that names a point twice has no edges and is a component of its own.
+//! Sharing only a point does not join triangles. A triangle naming a point twice has no edges and is a component of its own.
 
 use crate::mesh::{Edges, NONE};
 
 /// The triangles of every component.
 pub(super) struct Pieces {
-    /// Start of every component's triangles; one more than components.
+    /// Start of every component's triangles, and the end of the last.
     start: Vec<u32>,
     /// Ascending within a component.
     triangles: Vec<u32>,
 }
 
 impl Pieces {
-    /// Groups triangles by the edges of their sides, `u32::MAX` where a triangle has none. O(n).
+    /// Groups triangles by the edges of their sides, `u32::MAX` for triangles without edges. O(n).
     pub fn new(edges: &Edges, sides: &[[u32; 3]]) -> Self {
         let mut piece_of = vec![NONE; sides.len()];
         let mut edge_done = vec![false; edges.len()];
@@ -53,7 +53,7 @@ impl Pieces {
         Self { start, triangles }
     }
 
-    /// The triangles of each component.
+    /// Iterates over the triangles of each component.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.start.windows(2).map(|ends| &self.triangles[ends[0] as usize..ends[1] as usize])
     }

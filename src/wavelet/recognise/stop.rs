@@ -1,18 +1,18 @@
-//! Why a component cannot be coarsened further, in words.
+//! Reasons why a component cannot be coarsened further, in words.
 
-/// Why four-to-one coarsening of a component ended where it did.
+/// Why four-to-one coarsening of a component ended.
 ///
-/// Triangles are those of the input. Where faces of several triangles are at fault, the lowest triangle of one of them
-/// is named. A contradiction is that of the assumption which held for the most faces.
+/// Triangles are input triangles. Where a face made of several triangles is at fault, its lowest triangle is named. For a
+/// contradiction, the reason belongs to the assumption consistent for the most faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Stop {
-    /// One face is left.
+    /// A single face is left.
     SingleFace,
-    /// The number of faces that are left is not a multiple of four.
+    /// The number of faces left is not a multiple of four.
     NotFourfold {
-        /// How many faces are left.
+        /// Number of faces left.
         faces: u32,
     },
     /// The triangle names a point twice.
@@ -20,40 +20,40 @@ pub enum Stop {
         /// The triangle.
         triangle: u32,
     },
-    /// Edges do not continue straight through vertices as they do across the midpoint of an edge: some valence is not
-    /// that of a subdivided mesh, or the pattern of coarse faces does not close up.
+    /// Edges do not continue straight through vertices as they do across the midpoint of an edge: some valence does not occur
+    /// in a subdivided mesh, or the pattern of coarse faces does not close up.
     Irregular {
-        /// A triangle where that shows.
+        /// A triangle at the irregular place.
         triangle: u32,
     },
-    /// A border runs where the middle of a coarse face would be.
+    /// A border runs through the middle of a would-be coarse face.
     Border {
-        /// A triangle at that border.
+        /// A triangle at the border.
         triangle: u32,
     },
-    /// Three or more triangles meet where the middle of a coarse face would be.
+    /// Three or more triangles meet at an edge in the middle of a would-be coarse face.
     NonManifold {
-        /// One of them.
+        /// A triangle at the non-manifold edge.
         triangle: u32,
     },
-    /// Triangles that would make up a coarse face turn different ways.
+    /// The triangles of a would-be coarse face turn different ways.
     Orientation {
-        /// One of them.
+        /// A triangle with the other orientation.
         triangle: u32,
     },
-    /// A coarse face would have one point at two of its corners.
+    /// A would-be coarse face has the same point at two of its corners.
     RepeatedCorner {
-        /// A triangle of that face.
+        /// A triangle of the coarse face.
         triangle: u32,
     },
-    /// A seam, where one point has several attribute values, runs through the middle of a coarse face.
+    /// A seam, where a point has several attribute values, runs through the middle of a would-be coarse face.
     Seam {
-        /// A triangle of that face.
+        /// A triangle of the coarse face.
         triangle: u32,
     },
-    /// Triangles that would make up a coarse face differ in material.
+    /// The triangles of a would-be coarse face differ in material.
     Material {
-        /// One of them.
+        /// A triangle of the coarse face.
         triangle: u32,
     },
 }

@@ -1,8 +1,8 @@
-//! Coefficients, and leaving out those that matter least: by level, by size, by count.
+//! Coefficients, and dropping the least significant: by level, by size, by count.
 //!
-//! What a coefficient matters is its length times the norm of its wavelet: the L2 error of leaving it alone out. Of
-//! orthogonal wavelets the largest ones would be the best choice; of k-disk wavelets they nearly are, of lazy ones they
-//! are not.
+//! The significance of a coefficient is its length times the norm of its wavelet: the L2 error of dropping only this
+//! coefficient. For orthogonal wavelets, keeping the largest is optimal. It is nearly optimal for k-disk wavelets, but not for
+//! lazy wavelets.
 
 use std::ops::Range;
 
@@ -17,45 +17,45 @@ pub struct Coefficients<'t> {
 }
 
 impl<'t> Coefficients<'t> {
-    /// As many as nodes times width.
+    /// Makes coefficients from `width` scalars for every node.
     pub(super) fn of(transform: &'t WaveletTransform, width: usize, nodes: Vec<f64>) -> Self {
         Self { transform, width, nodes }
     }
 
-    /// What they belong to.
+    /// The transform of these coefficients.
     pub fn transform(&self) -> &'t WaveletTransform {
         self.transform
     }
 
-    /// Scalars a node.
+    /// Number of scalars a node.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// All of them, node by node: values on the base, then coefficients level by level.
+    /// All scalars, node by node: values on the base, then coefficients level by level.
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
     }
 
-    /// Those of a level, node by node; the values on the base for level 0, empty out of range.
+    /// Scalars of a level, node by node; values on the base for level 0, empty out of range.
     pub fn of_level(&self, level: usize) -> &[f64] {
         let Range { start, end } = self.transform.nodes_of(level);
         &self.nodes[start * self.width..end * self.width]
     }
 
-    /// How many coefficients there are beside the values on the base.
+    /// Number of coefficients, without the values on the base.
     pub fn count(&self) -> usize {
         self.transform.node_count() - self.transform.nodes_of(0).len()
     }
 
-    /// How many of them are not zero.
+    /// Number of coefficients other than zero.
     pub fn kept(&self) -> usize {
         let base = self.transform.nodes_of(0).len();
         let rest = self.nodes[base * self.width..].chunks_exact(self.width);
         rest.filter(|w| w.iter().any(|&x| x != 0.0)).count()
     }
 
-    /// The length of a node's coefficient times the norm of its wavelet: the L2 error of leaving it alone out, in the
+    /// Length of a node's coefficient times the norm of its wavelet: the L2 error of dropping only this coefficient, in the
     /// unit of the values ([`l2_error`](super::l2_error)). `None` for the base and out of range.
     pub fn magnitude(&self, node: usize) -> Option<f64> {
         let norm = self.transform.norm(node)?;
@@ -63,20 +63,20 @@ impl<'t> Coefficients<'t> {
         Some(square.sqrt() * norm)
     }
 
-    /// Without those of finer levels: the function of that level.
+    /// Drops the coefficients of levels above `level`, leaving the function of this level.
     #[must_use]
     pub fn to_level(&self, level: usize) -> Self {
         let end = self.transform.nodes_of(level.min(self.transform.depth())).end;
         self.keep(|node| node < end)
     }
 
-    /// Without those whose [magnitude](Self::magnitude) is no more than a tolerance, in the unit of the values.
+    /// Drops coefficients of [magnitude](Self::magnitude) up to `tolerance`, in the unit of the values.
     #[must_use]
     pub fn to_tolerance(&self, tolerance: f64) -> Self {
         self.keep(|node| self.magnitude(node).is_none_or(|magnitude| magnitude > tolerance))
     }
 
-    /// The `count` ones of largest [magnitude](Self::magnitude), the first of equal ones. O(n).
+    /// Keeps the `count` coefficients of largest [magnitude](Self::magnitude); of equal magnitudes, the first nodes. O(n).
     #[must_use]
     pub fn to_count(&self, count: usize) -> Self {
         let base = self.transform.nodes_of(0).len();
@@ -102,7 +102,7 @@ impl<'t> Coefficients<'t> {
         kept
     }
 
-    /// The function: `width` scalars a vertex, vertex by vertex. O(n).
+    /// Computes the function: `width` scalars a vertex, vertex by vertex. O(n).
     pub fn synthesise(&self) -> Vec<f32> {
         let mut nodes = self.nodes.clone();
         self.transform.restore(&mut nodes, self.width);

@@ -1,4 +1,4 @@
-//! The weights that make lazy wavelets nearly orthogonal to coarser functions: lifting by Galerkin's condition on a disk.
+//! Weights making lazy wavelets nearly orthogonal to coarser functions: lifting by Galerkin's condition on a disk.
 //!
 //! ```text
 //! for every level, for the midpoint e of every edge
@@ -7,9 +7,9 @@
 //!     psi_e = phi_e - sum over the disk of s_k phi_k
 //! ```
 //!
-//! So psi_e is orthogonal to every coarse hat of its disk (Lounsbery et al. 1997; Southern, appendix A, equations A.2 and
-//! A.3, with the system cut down to the disk before it is solved, not after). Edges whose systems are equal number by number
-//! share one solution; disks are put in an order by their connectivity, in which equal surroundings give equal systems.
+//! So psi_e is orthogonal to every coarse hat of its disk (Lounsbery et al. 1997; Southern, appendix A, equations A.2 and A.3,
+//! with the system restricted to the disk before it is solved, not after). Edges with exactly equal systems share a solution.
+//! Nodes of a disk are ordered by connectivity, so equal surroundings give equal systems.
 
 use crate::mesh::NONE;
 
@@ -17,28 +17,29 @@ use super::super::{Subdivision, WaveletError};
 use super::domain::Domain;
 use super::products::Products;
 
-/// Most hats in a disk: where k rings have more, the wavelet takes as many as fit.
+/// Most hats in a disk. If k rings have more, the disk takes as many whole rings as fit.
 pub(super) const MOST: usize = 256;
-/// Set in a position: this node waits for one.
+/// Flag in a position: the node waits to be added to the disk.
 const WAITING: u32 = 1 << 31;
 
-/// Weights of the coarse hats that wavelets are lifted by.
+/// Weights of the coarse hats lifting each wavelet.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lifting {
-    /// Per node that is not of the base, the start of its disk.
+    /// Per node above the base, the start of its disk; and the end of the last.
     offsets: Vec<usize>,
     nodes: Vec<u32>,
-    /// Per such node, the start of its weights.
+    /// Per node above the base, the start of its weights.
     pattern: Vec<usize>,
     weights: Vec<f64>,
-    /// Per such node, what lifting takes from the product of its hat with itself, in 48ths of the area of a coarse face.
+    /// Per node above the base, the amount by which lifting reduces the product of its hat with itself, in 48ths of the area of
+    /// a coarse face.
     pub gain: Vec<f64>,
-    /// How many different systems were solved.
+    /// Number of different systems solved.
     pub patterns: usize,
 }
 
 impl Lifting {
-    /// By disks of `rings` rings.
+    /// Computes the weights for disks of `rings` rings.
     pub fn new(of: &Subdivision, domain: &Domain, rings: u8) -> Result<Self, WaveletError> {
         let mut lifting = Self { offsets: vec![0], ..Self::default() };
         let mut disk = Disk { position: vec![NONE; domain.len()], ..Disk::default() };
@@ -67,7 +68,7 @@ impl Lifting {
         Ok(lifting)
     }
 
-    /// The disk of a node, counted from the first that is not of the base, and the weights of its hats.
+    /// Returns a node's disk and the weights of its hats; `at` counts nodes from the first above the base.
     #[inline]
     pub fn disk(&self, at: usize) -> (&[u32], &[f64]) {
         let nodes = &self.nodes[self.offsets[at]..self.offsets[at + 1]];
@@ -84,13 +85,13 @@ impl Lifting {
     }
 }
 
-/// The nodes around an edge.
+/// The coarse nodes around an edge.
 #[derive(Debug, Default)]
 struct Disk {
     nodes: Vec<u32>,
-    /// Per node its place in `nodes`, or `WAITING` and one in `waiting`, or `NONE`.
+    /// Per node its index in `nodes`; or `WAITING` plus its index in `waiting`; or `NONE`.
     position: Vec<u32>,
-    /// Nodes about to come in, with the first place of a neighbour.
+    /// Nodes about to be added, each after the lowest index in `nodes` of a neighbour.
     waiting: Vec<(u32, u32)>,
 }
 
@@ -127,7 +128,7 @@ impl Disk {
         }
     }
 
-    /// Takes in the neighbours of a node, those next to the earliest others first; or `false`, where that are too many.
+    /// Adds the neighbours of a node, next to the earliest other nodes first. Returns `false` if there are too many.
     fn grow(&mut self, products: &Products, at: usize) -> bool {
         let row = products.row(self.nodes[at]);
         if row.len() >= MOST {
@@ -167,21 +168,21 @@ impl Disk {
     }
 }
 
-/// A row, or nothing of one so long that reading it for every disk around would take quadratic time.
+/// Returns a row; empty for rows longer than `MOST`, since reading them for every disk around would take quadratic time.
 fn short_row(products: &Products, node: u32) -> &[(u32, u32)] {
     let row = products.row(node);
     if row.len() > MOST { &[] } else { row }
 }
 
-/// G s = b of one disk, in whole numbers, and its solution.
+/// The system G s = b of a disk, in whole numbers, and its solution.
 #[derive(Debug, Default)]
 struct System {
-    /// Per row: the diagonal, b, the number of further entries left of the diagonal, these as column and value.
+    /// Per row: the diagonal, b, the number of other entries left of the diagonal, and these entries as column and value.
     words: Vec<u32>,
     size: usize,
     right: Vec<u32>,
     row: Vec<(u32, u32)>,
-    /// Of the lower triangle, row by row.
+    /// The lower triangle, row by row.
     matrix: Vec<f64>,
     solution: Vec<f64>,
 }
@@ -217,8 +218,8 @@ impl System {
         }
     }
 
-    /// Solves it by Cholesky's decomposition; returns s . b in 48ths of the area. Hats are independent and their products
-    /// well conditioned (Wathen 1987), so every pivot is at least half of its diagonal entry.
+    /// Solves the system by Cholesky's decomposition; returns s . b in 48ths of the area. Hats are independent and their
+    /// products well conditioned (Wathen 1987), so every pivot is at least half of its diagonal entry.
     fn solve(&mut self) -> f64 {
         let n = self.size;
         self.matrix.clear();
@@ -241,7 +242,7 @@ impl System {
             }
             row[i] = (row[i] - dot(&row[..i], &row[..i])).sqrt();
         }
-        // Products with midpoints are in 48ths, those of hats in twelfths.
+        // Products with midpoints are in 48ths, products of coarse hats in twelfths.
         solution.clear();
         solution.extend(self.right.iter().map(|&b| 0.25 * f64::from(b)));
         for i in 0..n {
@@ -262,7 +263,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Systems and where their solutions are: a table with open addresses.
+/// Hash table of systems and their solutions, with open addressing.
 #[derive(Debug, Default)]
 struct Cache {
     table: Vec<u32>,
@@ -279,7 +280,7 @@ struct Entry {
 }
 
 impl Cache {
-    /// Where the weights of an equal system start, and what they gain; or the hash to insert them by.
+    /// Returns the start of the weights of an equal system, and the gain; or the hash for inserting the system.
     fn solution(&self, system: &System) -> Result<(usize, f64), u64> {
         let hash = hash(&system.words);
         let mask = self.table.len().wrapping_sub(1);

@@ -1,7 +1,7 @@
-//! What a function on a subdivision has one value for each of: nodes, numbered level by level.
+//! Nodes: the degrees of freedom of a function on a subdivision, numbered level by level.
 //!
-//! A node is a vertex, where the surface is cut along its seams (attributes), or all vertices of one point (positions).
-//! Everything else about a function, hats and their supports among it, follows from the corners of faces as nodes.
+//! For attributes, a node is a vertex: the surface is cut along its seams. For positions, a node is a point with all its
+//! vertices. Hats, their supports and everything else about a function follow from the corners of faces as nodes.
 
 use std::ops::Range;
 
@@ -10,30 +10,30 @@ use crate::mesh::NONE;
 use super::super::build::Part;
 use super::super::{Subdivision, WaveletError, WaveletMesh};
 
-/// Nodes of a subdivision: those of the base first, then those of every level, so that ends come before midpoints.
+/// Nodes of a subdivision: base nodes first, then level by level, so ends come before midpoints.
 #[derive(Debug, Clone)]
 pub(super) struct Domain {
     /// Per vertex its node.
     pub node_of: Vec<u32>,
     /// Per node its first vertex.
     pub vertex_of: Vec<u32>,
-    /// Per node that is not of the base the nodes at the ends of its edge.
+    /// Per node above the base, the nodes at the ends of its edge.
     ends: Vec<[u32; 2]>,
-    /// Ends of the nodes of every level; the first are those of the base.
+    /// End of the nodes of every level, from level 0, the base.
     levels: Vec<u32>,
 }
 
 impl Domain {
-    /// Every vertex is a node: seams are borders.
+    /// Makes every vertex a node: seams are borders.
     pub fn of_vertices(subdivision: &Subdivision) -> Self {
         Self::new(subdivision, (0..subdivision.base_vertices).collect(), false)
     }
 
-    /// Vertices at one point are one node, so that no function on it opens a seam.
+    /// Joins the vertices of each point into a node, so no function opens a seam.
     pub fn of_points(mesh: &WaveletMesh) -> Self {
         let of = &mesh.subdivision;
         let mut same = Joined::new(of.base_vertices);
-        // Along seams, by connectivity: true wherever vertices lie. Those of finer levels follow.
+        // Join along seams, by connectivity: right even where positions differ. Vertices of finer levels follow.
         for wavelet in of.wavelets_of(1) {
             let mut sides = of.faces_along(wavelet);
             let Some(first) = sides.next().map(|side| of.side_ends(side)) else { continue };
@@ -41,7 +41,7 @@ impl Domain {
                 first.into_iter().zip(ends).for_each(|(a, b)| same.join(a, b));
             }
         }
-        // Where only vertices meet, by place.
+        // Join base vertices at equal positions, where only vertices meet.
         let key = |vertex: u32| mesh.vertices.positions()[vertex as usize].map(|x| (x + 0.0).to_bits());
         let mut by_place: Vec<u32> = (0..of.base_vertices).collect();
         by_place.sort_unstable_by_key(|&vertex| (key(vertex), vertex));
@@ -52,7 +52,7 @@ impl Domain {
         Self::new(of, first, true)
     }
 
-    /// `first`: per base vertex the first one of its node. `whole`: a wavelet's vertices on a seam are one node.
+    /// `first`: per base vertex the first vertex of its node. `whole`: all vertices of a wavelet on a seam share a node.
     fn new(of: &Subdivision, first: Vec<u32>, whole: bool) -> Self {
         let mut node_of = vec![NONE; of.vertex_count()];
         let mut vertex_of = Vec::with_capacity(of.vertex_count());
@@ -89,7 +89,7 @@ impl Domain {
         self.vertex_of.len()
     }
 
-    /// Nodes of the base.
+    /// Number of base nodes.
     pub fn base(&self) -> usize {
         self.levels[0] as usize
     }
@@ -98,7 +98,7 @@ impl Domain {
         self.levels.len() - 1
     }
 
-    /// Nodes that a level has beside those of coarser ones; level 0 is the base.
+    /// Nodes new in a level; level 0 is the base. Empty out of range.
     pub fn nodes_of(&self, level: usize) -> Range<usize> {
         let end = |level: usize| self.levels.get(level).copied();
         match (level.checked_sub(1).and_then(end), end(level)) {
@@ -108,16 +108,16 @@ impl Domain {
         }
     }
 
-    /// Nodes at the ends of the edge that a node is the midpoint of. Of nodes that are not of the base.
+    /// Nodes at the ends of the edge whose midpoint a node is. Only for nodes above the base.
     #[inline]
     pub fn ends(&self, node: usize) -> [usize; 2] {
         self.ends[node - self.base()].map(|end| end as usize)
     }
 
-    /// The faces of a level that are split.
+    /// Returns the split faces of a level.
     ///
     /// # Errors
-    /// One that is not has a node with one that is: hats of the level would end inside their supports.
+    /// A split and an unsplit face share a node: hats of the level would end inside their supports.
     pub fn split_faces(&self, of: &Subdivision, level: usize) -> Result<Vec<SplitFace>, WaveletError> {
         let nodes = |vertices: [u32; 3]| vertices.map(|vertex| self.node_of[vertex as usize]);
         let faces = of.faces_of(level);
@@ -126,7 +126,8 @@ impl Domain {
         for face in faces.clone().filter(|&face| of.is_split(face)) {
             let corners = nodes(of.corners(face));
             let wavelets = of.sides_of_split(face);
-            // Where a seam runs inside the face, that of the first half stands for all: lifting may be any, so nothing is lost.
+            // Where a seam runs inside the face, the first half's vertex stands for all: any lifting weights are valid, so
+            // nothing is lost.
             let midpoints = nodes([0, 1, 2].map(|side| of.vertices_at(wavelets[side], face, side)[0]));
             corners.iter().for_each(|&node| touched[node as usize] = true);
             split.push(SplitFace { corners, midpoints });
@@ -141,15 +142,15 @@ impl Domain {
         Ok(split)
     }
 
-    /// Per node that is not of the base, the inner product of its hat with itself on the level it is new in, in 48ths
-    /// of the area of a face of the level before.
+    /// Per node above the base, returns the inner product of its hat with itself at the node's own level, in 48ths of the area
+    /// of a face of the next coarser level.
     pub fn midpoint_products(&self, of: &Subdivision) -> Vec<u32> {
         let mut products = vec![0; self.len() - self.base()];
         for wavelet in 0..of.wavelet_count() as u32 {
             for side in of.faces_along(wavelet) {
                 let (face, side) = (side.face(), side.side());
                 let node = self.node_of[of.vertices_at(wavelet, face, side)[0] as usize];
-                // Three of the four children, a quarter of the area each, a sixth of that.
+                // Three of the four children touch the midpoint, each of 1/4 area x 1/6: 2/48.
                 if of.is_split(face) {
                     for part in Part::ALL {
                         let (child, corner) = part.corner(side);
@@ -160,7 +161,8 @@ impl Domain {
                     products[node as usize - self.base()] += 6;
                 }
                 if of.is_split(face) {
-                    // A face that has an edge on two sides: two children with both midpoints, a twelfth of their area.
+                    // A face with the edge on two sides: two children have both midpoints, each adding 1/12 of the child's
+                    // area.
                     let twice = of.sides_of_split(face).iter().filter(|&&w| w == wavelet).count() as u32 - 1;
                     products[node as usize - self.base()] += 2 * twice;
                 }
@@ -175,14 +177,14 @@ impl Domain {
     }
 }
 
-/// A face that is split, as nodes; midpoint k is that of the side from corner k to corner k + 1.
+/// A split face as nodes; midpoint k is on the side from corner k to corner k + 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SplitFace {
     pub corners: [u32; 3],
     pub midpoints: [u32; 3],
 }
 
-/// Disjoint sets of vertices, each known by its first.
+/// Disjoint sets of vertices, each represented by its first vertex.
 struct Joined(Vec<u32>);
 
 impl Joined {
@@ -222,7 +224,7 @@ mod tests {
         let mut mesh = once(&shapes::box_with_face_normals(1));
         let points = Domain::of_points(&mesh);
         assert_eq!((points.base(), points.len()), (8, 8 + 18));
-        // Every vertex elsewhere.
+        // Move every vertex elsewhere.
         let apart = (0..mesh.vertices.positions().len()).map(|v| [v as f32, 0.0, 0.0]).collect();
         mesh.vertices = mesh.vertices.with_positions(apart);
         assert_eq!(Domain::of_points(&mesh).node_of, points.node_of);

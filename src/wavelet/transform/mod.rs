@@ -2,11 +2,11 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `domain.rs` | nodes: vertices, or points; what a function has one value for each of |
+//! | `domain.rs` | nodes: vertices, or points; the degrees of freedom of a function |
 //! | `products.rs` | exact inner products of hats; the L2 error |
 //! | `disk.rs` | the weights of k-disk wavelets |
 //! | `mod.rs` | [`WaveletTransform`]: analysis and synthesis |
-//! | `compress.rs` | [`Coefficients`]: leaving out the least |
+//! | `compress.rs` | [`Coefficients`]: dropping the smallest |
 
 mod compress;
 mod disk;
@@ -25,35 +25,35 @@ pub use products::l2_error;
 /// Most rings of a disk.
 const MOST_RINGS: u8 = 2;
 
-/// Which functions the coefficients are weights of.
+/// Functions weighted by the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Wavelet {
-    /// Hats at midpoints: coarser levels are samples of the finest one.
+    /// Hats at midpoints: coarser levels are samples of the finest level.
     Lazy,
-    /// Hats at midpoints less those coarser hats that make them orthogonal to all within so many rings of neighbours
-    /// about the edge, 0 to 2: coarser levels are nearly the best approximations in the mean square.
+    /// Hats at midpoints minus a combination of coarser hats. The combination makes the wavelet orthogonal to all coarser hats
+    /// in a disk of 0 to 2 rings of neighbours around the edge. Coarser levels are nearly the best approximations in the mean
+    /// square.
     Disk(u8),
 }
 
-/// Takes functions on one subdivision apart into values on the base and wavelet coefficients, and puts them together
-/// again.
+/// Takes functions on a subdivision apart into values on the base and wavelet coefficients, and puts them together again.
 ///
-/// A function is linear on the faces of the finest level; on every coarser level it is one with the coefficients of all
-/// finer ones left out. The coefficient of a midpoint is its value less the middle of its ends; for [`Wavelet::Disk`]
-/// the values of the level before are corrected by it, s_k w for every hat k of the disk, before they are taken apart
-/// in turn (Lounsbery et al. 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting
-/// form of Southern, appendix A, equation A.10). Synthesis does the same backwards.
+/// A function is linear on the faces of the finest level. On a coarser level, it is the function with all finer coefficients
+/// set to 0. The coefficient w of a midpoint is its value minus the middle of its ends. For [`Wavelet::Disk`], s_k w is added
+/// to the next coarser level's value at every hat k of the disk, before that level is taken apart in turn (Lounsbery et al.
+/// 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting form of Southern, appendix A,
+/// equation A.10). Synthesis inverts these steps in reverse order.
 ///
-/// Values belong to nodes. With [`of_points`](Self::of_points) these are points: all vertices at a seam have one value,
-/// so that no truncation opens a crack; what positions want. With [`of_vertices`](Self::of_vertices) these are
-/// vertices, and the surface is cut along its seams; what texture coordinates want. Nodes are numbered level by level,
-/// the base first.
+/// Values belong to nodes, numbered level by level, the base first. With [`of_points`](Self::of_points) nodes are points: all
+/// vertices at a seam share a value, so no truncation opens a crack. Use it for positions. With
+/// [`of_vertices`](Self::of_vertices) nodes are vertices, and the surface is cut along its seams. Use it for texture
+/// coordinates.
 ///
-/// Lazy transforms work for all subdivisions. Disks ask for whole levels: the faces of a component, joined by nodes,
-/// are to be split equally deep. O(n) to make, to analyse and to synthesise, as long as few vertices have very many
-/// neighbours; a disk of more than 256 hats gives way to one of fewer rings.
+/// Lazy transforms work for all subdivisions. Disks need whole levels: the faces of a component, joined by nodes, must be split
+/// equally deep. Making, analysis and synthesis are O(n), as long as few vertices have very many neighbours. Disks with more
+/// than 256 hats lose rings until they fit.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -80,25 +80,23 @@ pub struct WaveletTransform {
     domain: Domain,
     /// `None`: lazy.
     lifting: Option<Lifting>,
-    /// Per node that is not of the base the norm of its wavelet.
+    /// Per node above the base, the norm of its wavelet.
     norms: Vec<f64>,
 }
 
 impl WaveletTransform {
-    /// For functions with one value for all vertices at a point.
+    /// Makes a transform for functions with the same value at all vertices of a point.
     ///
     /// # Errors
-    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of one component split to different
-    /// depths.
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different depths.
     pub fn of_points(mesh: &WaveletMesh, kind: Wavelet) -> Result<Self, WaveletError> {
         Self::new(mesh.subdivision(), Domain::of_points(mesh), kind)
     }
 
-    /// For functions with a value for every vertex, of which those on the two sides of a seam have nothing to do with
-    /// each other.
+    /// Makes a transform for functions with a value for every vertex. Values on the two sides of a seam are independent.
     ///
     /// # Errors
-    /// As for [`of_points`](Self::of_points).
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different depths.
     pub fn of_vertices(subdivision: &Subdivision, kind: Wavelet) -> Result<Self, WaveletError> {
         Self::new(subdivision, Domain::of_vertices(subdivision), kind)
     }
@@ -126,7 +124,7 @@ impl WaveletTransform {
         Ok(Self { kind, domain, lifting, norms })
     }
 
-    /// Which wavelets.
+    /// The kind of wavelets.
     pub fn kind(&self) -> Wavelet {
         self.kind
     }
@@ -136,17 +134,17 @@ impl WaveletTransform {
         self.domain.depth()
     }
 
-    /// Vertices that functions have values for.
+    /// Number of vertices with values.
     pub fn vertex_count(&self) -> usize {
         self.domain.node_of.len()
     }
 
-    /// Nodes: coefficients and values on the base.
+    /// Number of nodes: values on the base and coefficients.
     pub fn node_count(&self) -> usize {
         self.domain.len()
     }
 
-    /// Nodes whose coefficients are of a level, by number; those of the base for level 0, empty out of range.
+    /// Nodes of the coefficients of a level, by number; base nodes for level 0, empty out of range.
     pub fn nodes_of(&self, level: usize) -> Range<usize> {
         self.domain.nodes_of(level)
     }
@@ -161,20 +159,20 @@ impl WaveletTransform {
         self.domain.vertex_of.get(node).copied()
     }
 
-    /// The root of the mean square of a node's wavelet over the surface, every base face counting the same: what 1 as
-    /// its coefficient and 0 elsewhere is apart from nothing ([`l2_error`]). `None` for the base and out of range.
+    /// Root of the mean square of a node's wavelet over the surface, every base face weighted equally: the [`l2_error`] caused
+    /// by a coefficient of 1 alone. `None` for the base and out of range.
     pub fn norm(&self, node: usize) -> Option<f64> {
         self.norms.get(node.checked_sub(self.domain.base())?).copied()
     }
 
-    /// The coarser hats that a node's wavelet is less, by node, and how much of each; `None` for the base, out of range
-    /// and for lazy wavelets.
+    /// Coarser hats subtracted from a node's wavelet: nodes and weights. `None` for the base, out of range and for lazy
+    /// wavelets.
     pub fn lifting(&self, node: usize) -> Option<(&[u32], &[f64])> {
         let at = node.checked_sub(self.domain.base()).filter(|&at| at < self.norms.len())?;
         self.lifting.as_ref().map(|lifting| lifting.disk(at))
     }
 
-    /// How many different systems of equations disks led to; 0 for lazy wavelets.
+    /// Number of different systems of equations solved for disks; 0 for lazy wavelets.
     pub fn patterns(&self) -> usize {
         self.lifting.as_ref().map_or(0, |lifting| lifting.patterns)
     }
@@ -187,14 +185,12 @@ impl WaveletTransform {
 
     /// Takes a function apart: `width` scalars a vertex, vertex by vertex. O(n).
     ///
-    /// [`Coefficients::synthesise`] gives the same values back. Lazily bit for bit (but -0 as 0) as long as the values
-    /// of no vertex and the ends of its edge, zeros apart, differ by more than a factor of 2^26: then all sums are
-    /// exact. Otherwise, and for disks, to some 1e-15 of the largest value nearby, before it is rounded to single
-    /// precision.
+    /// [`Coefficients::synthesise`] restores the values. For lazy wavelets they are equal bit for bit (but -0 becomes 0), if at
+    /// every vertex its value and its ends' values, zeros apart, differ by a factor of 2^26 at most: then all sums are exact.
+    /// Otherwise, and for disks, the error is about 1e-15 of the largest value nearby, before rounding to single precision.
     ///
     /// # Errors
-    /// Values that are not `width` a vertex, a width of 0, a value that is not finite, and vertices of one node whose
-    /// values are not equal.
+    /// Not `width` values a vertex, a width of 0, a non-finite value, or different values at vertices of the same node.
     pub fn analyse(&self, values: &[f32], width: usize) -> Result<Coefficients<'_>, WaveletError> {
         check_length(values.len(), self.vertex_count(), width)?;
         let mut nodes: Vec<f64> = Vec::with_capacity(self.node_count() * width);
@@ -219,11 +215,11 @@ impl WaveletTransform {
         Ok(Coefficients::of(self, width, nodes))
     }
 
-    /// Coefficients from elsewhere, `width` scalars a node, node by node: values for those of the base, coefficients
-    /// for all others.
+    /// Takes coefficients from elsewhere, `width` scalars a node, node by node: values for base nodes, coefficients for all
+    /// others.
     ///
     /// # Errors
-    /// Not `width` a node, a width of 0, one that is not finite.
+    /// Not `width` scalars a node, a width of 0, or a non-finite scalar.
     pub fn coefficients(&self, nodes: Vec<f64>, width: usize) -> Result<Coefficients<'_>, WaveletError> {
         check_length(nodes.len(), self.node_count(), width)?;
         if let Some(at) = nodes.iter().position(|x| !x.is_finite()) {
@@ -233,7 +229,7 @@ impl WaveletTransform {
         Ok(Coefficients::of(self, width, nodes))
     }
 
-    /// Values of all nodes from their coefficients, in place.
+    /// Turns coefficients into values of all nodes, in place.
     fn restore(&self, nodes: &mut [f64], width: usize) {
         for level in 1..=self.depth() {
             self.update(nodes, width, level, -1.0);
@@ -241,7 +237,7 @@ impl WaveletTransform {
         }
     }
 
-    /// Adds the middles of their ends to the nodes of a level, or takes them away.
+    /// Adds `sign` times the middle of its ends to every node of a level.
     fn predict(&self, nodes: &mut [f64], width: usize, level: usize, sign: f64) {
         let of_level = self.domain.nodes_of(level);
         let (coarse, fine) = nodes.split_at_mut(of_level.start * width);
@@ -253,7 +249,7 @@ impl WaveletTransform {
         }
     }
 
-    /// Adds to coarser nodes what the wavelets of a level have been lifted by, or takes it away.
+    /// Adds `sign` times the lifting terms of a level's wavelets to coarser nodes.
     fn update(&self, nodes: &mut [f64], width: usize, level: usize, sign: f64) {
         let Some(lifting) = &self.lifting else { return };
         let of_level = self.domain.nodes_of(level);
@@ -268,7 +264,7 @@ impl WaveletTransform {
     }
 }
 
-/// Whether there are `width` numbers for each of `count`.
+/// Checks for `width` numbers for each of `count` elements, and a width above 0.
 fn check_length(found: usize, count: usize, width: usize) -> Result<(), WaveletError> {
     match count.checked_mul(width) {
         _ if width == 0 => Err(WaveletError::Invalid { what: "a function has no scalars", at: 0 }),

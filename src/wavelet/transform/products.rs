@@ -1,36 +1,34 @@
-//! Exact inner products of hats, added up face by face, so that borders, any valence and edges of many faces come out
-//! right.
+//! Exact inner products of hats, added up face by face, so borders, any valence and edges of many faces come out right.
 //!
-//! The measure is parametric: every base face has area 1, so a face of level j has area 4^-j whatever it looks like. Of
-//! a face of area A the products of its corners' hats are A/6 with themselves and A/12 with each other; the hat of the
-//! next level at the midpoint of a side has 5A/48 with the hats at its ends and 2A/48 with the third. All are kept as
-//! whole numbers of A/12 or A/48: equal patterns are equal to the last bit.
+//! The measure is parametric: every base face has area 1, so a face of level j has area 4^-j whatever its shape. In a face of
+//! area A, the hat of a corner has product A/6 with itself and A/12 with the hat of another corner. The finer hat at the
+//! midpoint of a side has product 5A/48 with the hats at the side's ends and 2A/48 with the third hat. All products are stored
+//! as multiples of A/12 or A/48, so equal patterns are equal to the last bit.
 
 use super::super::{Subdivision, WaveletError};
 use super::domain::{Domain, SplitFace};
 
-/// Products of a midpoint's hat with the hats at the ends of its side and with the third, in 48ths of the area of the
-/// face.
+/// Products of a midpoint's hat with the hats at the ends of its side and with the third hat, in 48ths of the area of the face.
 pub(super) const END: u32 = 5;
 pub(super) const OPPOSITE: u32 = 2;
 
-/// Inner products of the hats of one level with each other, and with those at the midpoints of its edges.
+/// Inner products of the hats of a level with each other, and with the hats at the midpoints of its edges.
 #[derive(Debug)]
 pub(super) struct Products {
     /// Per node the product of its hat with itself, in twelfths of the area of a face.
     pub diagonal: Vec<u32>,
     offsets: Vec<usize>,
-    /// Per node the others that it has a face with, ascending, and the products.
+    /// Per node the other nodes sharing a face with it, ascending, and the products.
     items: Vec<(u32, u32)>,
     /// First node of the midpoints.
     first: usize,
     side_offsets: Vec<usize>,
-    /// Per midpoint the sides that it is on: their ends and the third corner.
+    /// Per midpoint the sides containing it: their ends and the third corner.
     sides: Vec<[u32; 3]>,
 }
 
 impl Products {
-    /// Of a level with `nodes` nodes, all of whose midpoints are the nodes of the next.
+    /// Computes the products of a level from its split faces. The midpoints are the nodes of the next level.
     pub fn new(domain: &Domain, level: usize, faces: &[SplitFace]) -> Self {
         let nodes = domain.nodes_of(level).end;
         let mut diagonal = vec![0; nodes];
@@ -50,7 +48,7 @@ impl Products {
             items[next[a as usize]].0 = b;
             next[a as usize] += 1;
         }
-        // Rows in order, equal entries added, in place.
+        // Sort rows and add equal entries, in place.
         let mut end = 0;
         for node in 0..nodes {
             let row = offsets[node]..offsets[node + 1];
@@ -89,14 +87,14 @@ impl Products {
         Self { diagonal, offsets, items, first, side_offsets, sides }
     }
 
-    /// Products of a node's hat with others, in twelfths of the area of a face: node and number, ascending.
+    /// Products of a node's hat with the hats of other nodes, in twelfths of the area of a face: node and product, ascending.
     #[inline]
     pub fn row(&self, node: u32) -> &[(u32, u32)] {
         &self.items[self.offsets[node as usize]..self.offsets[node as usize + 1]]
     }
 
-    /// Products of the hat at a midpoint with hats of this level, in 48ths of the area of a face: node and number, not
-    /// added up.
+    /// Products of the hat at a midpoint with hats of this level, in 48ths of the area of a face: node and product; a node may
+    /// occur several times.
     pub fn of_midpoint(&self, midpoint: usize) -> impl Iterator<Item = (u32, u32)> + '_ {
         let at = midpoint - self.first;
         let sides = &self.sides[self.side_offsets[at]..self.side_offsets[at + 1]];
@@ -104,7 +102,7 @@ impl Products {
     }
 }
 
-/// Counts at i + 1 to offsets.
+/// Turns counts at i + 1 into offsets.
 fn sum_up(counts: &mut [usize]) {
     let mut sum = 0;
     for count in counts {
@@ -113,16 +111,15 @@ fn sum_up(counts: &mut [usize]) {
     }
 }
 
-/// How far two functions on a subdivision are apart: the root of the mean square of their difference, in the unit of
+/// Returns the L2 distance of two functions on a subdivision: the root of the mean square of their difference, in the unit of
 /// the values.
 ///
-/// A function has `width` scalars a vertex, vertex by vertex, and is linear on every face that is not split. The mean
-/// is over the base faces, each of which counts the same (the parametric measure, in which the hats of a level are
-/// alike); it is exact but for rounding: the mass matrix of the finest level. O(n).
+/// A function has `width` scalars a vertex, vertex by vertex, and is linear on every unsplit face. All base faces have the same
+/// weight in the mean (the parametric measure: the hats of a level are alike). The result is exact up to rounding: it uses the
+/// mass matrix of the finest level. O(n).
 ///
 /// # Errors
-/// Values that are not `width` a vertex; a face that is not split beside one that is, where functions are not
-/// linear on faces.
+/// Not `width` values a vertex, a width of 0, or an unsplit face beside a split face, where functions are not linear on faces.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -168,8 +165,8 @@ pub fn l2_error(subdivision: &Subdivision, width: usize, a: &[f32], b: &[f32]) -
 mod tests {
     use super::*;
 
-    /// The integral over a triangle of area 1 of a product of functions that are linear on its four parts: the rule of
-    /// the middles of sides is exact for quadratics.
+    /// Integral over a triangle of area 1 of the product of two functions, each linear on the four parts. The rule of the
+    /// middles of sides is exact for quadratics.
     fn integral(f: impl Fn([f64; 3]) -> f64, g: impl Fn([f64; 3]) -> f64) -> f64 {
         let middle = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
         let c = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -185,7 +182,7 @@ mod tests {
             (true, ..) => 2.0 * b,
             (_, true, _) => 2.0 * a,
             (.., true) => 0.0,
-            // The centre: linear from 1 at the middle to 0 at the two others.
+            // The centre: linear from 1 at the middle to 0 at the other two corners.
             _ => 1.0 - 2.0 * c,
         }
     }
