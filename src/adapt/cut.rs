@@ -20,7 +20,7 @@ pub struct CutReport {
 
 /// A set of refinements: the refinements in the mesh.
 ///
-/// After a frame it is the smallest set containing every refinement needed by the criterion and closed under
+/// After every call of [`Lod::adapt`](crate::lod::Lod::adapt) it is the smallest set containing every refinement needed by the criterion and closed under
 /// parents and dependencies. It depends on the criterion alone, not on the previous cut.
 #[derive(Debug, Clone)]
 pub struct Cut {
