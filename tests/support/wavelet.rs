@@ -131,9 +131,11 @@ fn sort(all: &mut [[[f32; 3]; 3]]) {
 pub fn view(mesh: &WaveletMesh, seed: u64, tolerance: f32) -> View {
     let [low, high] = mesh.extent().unwrap();
     let size = mesh.diagonal() as f32;
-    let middle: [f32; 3] = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+    let middle: [f32; 3] = std::array::from_fn(|i| 0.5 * low[i] + 0.5 * high[i]);
+    // No eye can be further away than numbers reach, however far a forged mesh is.
     let offset = |salt: u64, scale: f32| -> [f32; 3] {
-        std::array::from_fn(|i| middle[i] + scale * (hash(seed, salt + i as u64) as f32 - 0.5))
+        let place = |i: usize| middle[i] + scale * (hash(seed, salt + i as u64) as f32 - 0.5);
+        std::array::from_fn(|i| place(i).clamp(-1e30, 1e30))
     };
     let eye = offset(10, size * if seed.is_multiple_of(3) { 4.0 } else { 1.2 });
     let target = offset(20, size * 0.5);
