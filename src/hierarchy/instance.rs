@@ -50,25 +50,14 @@ impl HierarchyLod {
     }
 }
 
-/// Returns the interpolation of values, if options ask for geomorphs.
-fn mix_for<V: Vertex>(values: &Values<V>, options: &LodOptions) -> Result<Option<Mix<V>>, LodError> {
-    if options.geomorph.is_none() {
-        return Ok(None);
-    }
-    values.mix().map(Some).ok_or(LodError::NeedsBlending { what: "a geomorph" })
-}
-
 impl<V: Vertex> HierarchyLod<V> {
     pub(super) fn of(
         model: &Baked<VertexHierarchy>,
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
-        let (found, expected) = (values.len(), model.structure().vertex_count());
-        if found != expected {
-            return Err(LodError::Length { found, expected });
-        }
-        let mix = mix_for(&values, options)?;
+        values.check(model.structure().vertex_count())?;
+        let mix = values.mix_for(options)?;
         Ok(Self::start(Arc::clone(model.structure()), Some(model.clone()), values, mix, options))
     }
 
@@ -200,7 +189,7 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
     }
 
     fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
-        let mix = mix_for(self.vertices.values(), options)?;
+        let mix = self.vertices.values().mix_for(options)?;
         let before = self.driver.options();
         let moves = mix.is_some() != before.geomorph.is_some();
         if moves || options.buffer != before.buffer {

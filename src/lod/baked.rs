@@ -130,10 +130,7 @@ impl<S: Structure> Baked<S> {
         options: &LodOptions,
     ) -> Result<S::Instance<V>, LodError> {
         let values = values.into();
-        let (found, expected) = (values.len(), self.structure.vertex_count());
-        if found != expected {
-            return Err(LodError::Length { found, expected });
-        }
+        values.check(self.structure.vertex_count())?;
         S::instance(self, values, options)
     }
 

@@ -7,6 +7,8 @@ use bytemuck::NoUninit;
 
 use crate::adapt::Blend;
 
+use super::{LodError, LodOptions};
+
 /// A type of vertex: plain data without padding, as graphics interfaces take it. Implemented for every such type; derive
 /// [`bytemuck::NoUninit`] or [`bytemuck::Pod`] for yours.
 pub trait Vertex: NoUninit + Send + Sync {}
@@ -58,6 +60,23 @@ impl<V> Values<V> {
         V: Copy,
     {
         self.mix
+    }
+
+    /// Checks the number of values: one for each vertex of the structure.
+    pub(crate) fn check(&self, expected: usize) -> Result<(), LodError> {
+        let found = self.values.len();
+        if found == expected { Ok(()) } else { Err(LodError::Length { found, expected }) }
+    }
+
+    /// Returns the interpolation of values, if options ask for geomorphs.
+    pub(crate) fn mix_for(&self, options: &LodOptions) -> Result<Option<Mix<V>>, LodError>
+    where
+        V: Copy,
+    {
+        if options.geomorph.is_none() {
+            return Ok(None);
+        }
+        self.mix.map(Some).ok_or(LodError::NeedsBlending { what: "a geomorph" })
     }
 
     /// Returns the values, to be changed, or replaced by as many.

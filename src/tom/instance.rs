@@ -65,13 +65,6 @@ struct Transition {
     opening: bool,
 }
 
-fn mix_for<V: Vertex>(values: &Values<V>, options: &LodOptions) -> Result<Option<Mix<V>>, LodError> {
-    if options.geomorph.is_none() {
-        return Ok(None);
-    }
-    values.mix().map(Some).ok_or(LodError::NeedsBlending { what: "a geomorph" })
-}
-
 impl<V: Vertex> TomLod<V> {
     /// Makes an instance at the coarsest resolution. Needs as many values as vertices.
     pub(super) fn of(
@@ -79,11 +72,8 @@ impl<V: Vertex> TomLod<V> {
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
-        let (found, expected) = (values.len(), model.structure().vertex_count());
-        if found != expected {
-            return Err(LodError::Length { found, expected });
-        }
-        let mix = mix_for(&values, options)?;
+        values.check(model.structure().vertex_count())?;
+        let mix = values.mix_for(options)?;
         let [low, high] = model.bounds().unwrap_or_default().map(glam::Vec3::from_array);
         // Halves first, so no box overflows.
         let (centre, radius) = (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).length());
@@ -332,7 +322,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
-        let mix = mix_for(&self.values, options)?;
+        let mix = self.values.mix_for(options)?;
         let moves = mix.is_some() != self.moving.is_some();
         let rebuilt = moves || options.buffer != self.options.buffer;
         if rebuilt || options.is_immediate() {

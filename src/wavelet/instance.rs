@@ -126,10 +126,7 @@ impl<V: Vertex> WaveletLod<V> {
         options: &LodOptions,
     ) -> Result<Self, LodError> {
         let values = values.into();
-        let (found, expected) = (values.len(), mesh.subdivision().vertex_count());
-        if found != expected {
-            return Err(LodError::Length { found, expected });
-        }
+        values.check(mesh.subdivision().vertex_count())?;
         check(&values, options)?;
         let cut = Cut::new(mesh.subdivision().wavelet_count(), mesh.diagonal(), false);
         let shown = Shown::new(&mesh, values, options);
