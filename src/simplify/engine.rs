@@ -31,7 +31,7 @@ use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
 use super::classify::kind;
 use super::errors::Errors;
 use super::metric::{Batch, ErrorMetric, Pair};
-use super::options::{self, ErrorMeasure, Limits, Order, Progress};
+use super::options::{self, ErrorMeasure, Independence, Limits, Order, Progress};
 use super::oracle::{Collapse, Oracle};
 use super::pairs::Partners;
 use super::parts::Parts;
@@ -42,7 +42,7 @@ use super::queue::ClassQueue;
 use super::recorder::Recorder;
 use super::report::StopReason;
 use super::sequence::CollapseSequence;
-use super::simplifier::Settings;
+use super::simplifier::{Placements, Settings};
 use super::surface::WorkingSurface;
 use vanish::Vanishing;
 
@@ -88,7 +88,7 @@ mod state {
     pub const ASLEEP: u8 = 2;
     /// Merged away.
     pub const GONE: u8 = 4;
-    /// In a neighbourhood changed by this batch.
+    /// Not to be merged again in this batch.
     pub const TOUCHED: u8 = 8;
     /// A candidate was refused by the guard, whose limit grows as triangles go.
     pub const GUARDED: u8 = 16;
@@ -107,6 +107,7 @@ struct Legal {
 /// Input of the engine besides the metric.
 pub(super) struct Plan<'a> {
     pub oracles: &'a mut [Box<dyn Oracle>],
+    pub placements: Option<&'a Placements>,
     pub limits: Limits,
     pub settings: &'a Settings,
     /// Triangle counts at which seams, material borders and the topology begin to give.
@@ -116,7 +117,9 @@ pub(super) struct Plan<'a> {
 pub(super) struct Engine<'a, M> {
     metric: &'a mut M,
     placement: Placement,
+    placements: Option<&'a Placements>,
     order: Order,
+    independence: Independence,
     oracles: &'a mut [Box<dyn Oracle>],
     /// Indices of oracles notified of changes.
     watchers: Vec<usize>,
@@ -169,10 +172,11 @@ pub(super) struct Engine<'a, M> {
 
 impl<'a, M: ErrorMetric> Engine<'a, M> {
     pub fn new(mesh: &Mesh, metric: &'a mut M, plan: Plan<'a>) -> Self {
-        let Plan { oracles, limits, settings, schedule } = plan;
+        let Plan { oracles, placements, limits, settings, schedule } = plan;
         let &Settings { placement, order, measure, permissive, join_distance, guard, parts, .. } = settings;
+        let independence = settings.independence;
         let (topology, mut surface) = Self::welded(mesh, &settings.tolerances);
-        surface.moves_wedges = !placement.keeps_vertices();
+        surface.moves_wedges = placements.is_some() || !placement.keeps_vertices();
         let recorder = Recorder::new(mesh, &topology, &surface);
         let points = surface.point_count();
         let watches = |(i, oracle): (usize, &mut Box<dyn Oracle>)| oracle.begin(&surface).then_some(i);
@@ -188,13 +192,18 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         Self {
             metric,
             placement,
+            placements,
             order,
+            independence,
             refusals: vec![0; oracles.len()],
             oracles,
             watchers,
             limits,
             input_vertices: recorder.live_vertices(),
-            looks_at_all: order == Order::Linear && placement == Placement::Endpoint && partners.is_empty(),
+            looks_at_all: order == Order::Linear
+                && placements.is_none()
+                && placement == Placement::Endpoint
+                && partners.is_empty(),
             partners,
             parts,
             vanishing,
@@ -321,6 +330,10 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             input_triangles: self.surface.triangle_count(),
             verified: !self.verified.is_empty(),
         };
+        if let Some(choose) = self.placements {
+            self.placement = choose(info);
+            self.surface.moves_wedges = !self.placement.keeps_vertices();
+        }
         self.metric.begin(&self.surface, info);
         if index == 0 && self.permissive == Permissive::On && self.surface.has_seams() {
             // Release seams only now: the metric's sums already contain their weight.
@@ -543,8 +556,12 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     #[inline]
     fn for_others(&self, point: u32, mut visit: impl FnMut(u32)) {
         let symmetric = self.is_symmetric();
+        let has_domains = self.order == Order::Batched && self.independence == Independence::Domain;
         self.surface.for_neighbours(point, |other| {
-            if !(symmetric && other < point) && self.state[other as usize] & state::TOUCHED == 0 {
+            if !(symmetric && other < point)
+                && self.state[other as usize] & state::TOUCHED == 0
+                && !(has_domains && self.is_in_domain(point, other))
+            {
                 visit(other);
             }
         });
@@ -554,6 +571,16 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 visit(other);
             }
         });
+    }
+
+    /// Whether an edge is an edge of a triangle changed by a collapse of this batch.
+    fn is_in_domain(&self, point: u32, other: u32) -> bool {
+        let mut is = false;
+        self.surface.for_shared_triangles(point, other, |triangle| {
+            let corners = self.surface.triangle(triangle).into_iter().flatten();
+            is |= corners.into_iter().any(|corner| self.state[corner as usize] & state::TOUCHED != 0);
+        });
+        is
     }
 
     /// Collapses the point's candidate, or the next legal candidate. Returns whether a collapse was done.

@@ -104,7 +104,9 @@ pub use attribute_deviation::AttributeDeviation;
 pub use grow::Growth;
 pub use metric::{Batch, ErrorMetric, Pair, VanishingLoss};
 pub use normals::{Normals, NormalsDone};
-pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Parts, Progress, Target};
+pub use options::{
+    AttributeWeights, ErrorMeasure, Guard, Independence, OptionError, Order, Parts, Progress, Target,
+};
 pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};
 pub use permissive::{GivenUp, Permissive};

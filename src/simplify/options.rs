@@ -13,10 +13,28 @@ pub enum Order {
     /// found to within a band of one or two octaves and then sorted (see `docs/architecture.md`).
     #[default]
     Linear,
-    /// Batches of collapses with disjoint neighbourhoods, cheapest first inside each (Southern 3.4). Each batch at most
-    /// about halves the mesh. The collapses of a batch may be undone in any order, and the metric may change between
-    /// batches.
+    /// Batches of independent collapses, cheapest first inside each (Southern 3.4). [`Independence`] says what is
+    /// independent. The metric, its coefficients and the placement may change between batches.
     Batched,
+}
+
+/// Collapses that may share a batch of [`Order::Batched`]. Whatever the choice, no point is merged twice in a batch, and no
+/// two points are merged into a third one.
+///
+/// Share of the triangles kept by a batch on scans, endpoint placement: 0.84 (`Ring`), 0.70 (`Domain`), 0.54 (`Matching`).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Independence {
+    /// A collapse takes its merged point and all neighbours of the point out of the batch (Berkey and Song). Collapses of a
+    /// batch may be undone in any order, each alone with its triangles as they were.
+    #[default]
+    Ring,
+    /// A collapse takes every edge of the triangles it changes out of the batch: its edge collapse domain (Southern 3.4).
+    Domain,
+    /// A collapse takes its two points out of the batch. A batch nearly halves the mesh: for few levels of detail
+    /// ([`Gmesh`](crate::gmesh::Gmesh)).
+    Matching,
 }
 
 /// Error measure of a step, and whether it is checked before the step.

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use crate::mesh::{Mesh, Tolerances, names};
 
 use super::engine::{Engine, Plan};
-use super::metric::{ErrorMetric, Quadric, WithAttributes};
+use super::metric::{Batch, ErrorMetric, Quadric, WithAttributes};
 use super::normals::{Normals, NormalsDone};
 use super::options::{
-    AttributeWeights, ErrorMeasure, Guard, Limits, OptionError, Order, Parts, Progress, Target,
+    AttributeWeights, ErrorMeasure, Guard, Independence, Limits, OptionError, Order, Parts, Progress, Target,
 };
 use super::oracle::{Oracle, default_oracles};
 use super::permissive::{Permissive, Schedule};
@@ -54,14 +54,19 @@ pub struct Simplifier<M = Quadric> {
     metric: M,
     oracles: Vec<Box<dyn Oracle>>,
     targets: Vec<Target>,
+    placements: Option<Placements>,
     settings: Settings,
 }
+
+/// Chooses the placement of each batch.
+pub(super) type Placements = Box<dyn Fn(Batch) -> Placement + Send + Sync>;
 
 /// All settings except metric, oracles and targets.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Settings {
     pub placement: Placement,
     pub order: Order,
+    pub independence: Independence,
     pub measure: ErrorMeasure,
     pub permissive: Permissive,
     /// Object units.
@@ -112,6 +117,7 @@ impl Simplifier {
             metric: Quadric::new(),
             oracles: default_oracles(),
             targets: Vec::new(),
+            placements: None,
             settings: Settings::default(),
         }
     }
@@ -121,14 +127,42 @@ impl<M: ErrorMetric> Simplifier<M> {
     /// Sets the cost of a collapse. Default: [`Quadric`].
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Simplifier<N> {
-        let Self { oracles, targets, settings, .. } = self;
-        Simplifier { metric, oracles, targets, settings }
+        let Self { oracles, targets, placements, settings, .. } = self;
+        Simplifier { metric, oracles, targets, placements, settings }
     }
 
     /// Sets the position of merged vertices. Default: [`Placement::Endpoint`].
     #[must_use]
     pub fn placement(mut self, placement: Placement) -> Self {
         self.settings.placement = placement;
+        self.placements = None;
+        self
+    }
+
+    /// Sets the position of merged vertices anew for each batch: `choose` gets the batch about to start. In linear order
+    /// there is a single batch. [`PerBatch`](super::metric::PerBatch) does the same for the metric.
+    ///
+    /// ```
+    /// use multires::mesh::shapes;
+    /// use multires::simplify::{Order, Placement, Simplifier};
+    ///
+    /// // Fine levels on the vertices of the input, coarse levels where they fit best.
+    /// let sequence = Simplifier::new()
+    ///     .order(Order::Batched)
+    ///     .placement_per_batch(|batch| match batch.triangles {
+    ///         0..500 => Placement::Optimal,
+    ///         _ => Placement::Endpoint,
+    ///     })
+    ///     .run(&shapes::rock(2_000, 1))?;
+    /// assert!(sequence.new_vertices().len() < 250);
+    /// # Ok::<(), multires::simplify::OptionError>(())
+    /// ```
+    #[must_use]
+    pub fn placement_per_batch(
+        mut self,
+        choose: impl Fn(Batch) -> Placement + Send + Sync + 'static,
+    ) -> Self {
+        self.placements = Some(Box::new(choose));
         self
     }
 
@@ -136,6 +170,13 @@ impl<M: ErrorMetric> Simplifier<M> {
     #[must_use]
     pub fn order(mut self, order: Order) -> Self {
         self.settings.order = order;
+        self
+    }
+
+    /// Sets which collapses may share a batch of [`Order::Batched`]. Default: [`Independence::Ring`].
+    #[must_use]
+    pub fn independence(mut self, independence: Independence) -> Self {
+        self.settings.independence = independence;
         self
     }
 
@@ -257,7 +298,8 @@ impl<M: ErrorMetric> Simplifier<M> {
         let mut schedule = Schedule::default();
         let mut sequence = loop {
             let settings = &self.settings;
-            let plan = Plan { oracles: &mut self.oracles, limits, settings, schedule };
+            let placements = self.placements.as_ref();
+            let plan = Plan { oracles: &mut self.oracles, placements, limits, settings, schedule };
             let run = match &attributes {
                 None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
                 Some(attributes) => {

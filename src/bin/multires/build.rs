@@ -20,7 +20,7 @@ use crate::model::Model;
 use crate::output::{Answer, Failure, Run, Table};
 use crate::progress::Bar;
 use crate::rules::{self, Given, Place};
-use crate::{files, simplify};
+use crate::{batches, files, simplify};
 
 /// Bake all levels of detail of a mesh into one file.
 ///
@@ -106,7 +106,7 @@ impl Run for Build {
         match self.structure {
             Structure::Tom => {
                 let place = self.given.rules.placement.unwrap_or(Place::Endpoint);
-                if place != Place::Endpoint {
+                if place != Place::Endpoint || self.given.rules.batches.makes_vertices() {
                     let reason = "--structure tom needs --placement endpoint: substitution of vertices makes no new ones";
                     return Err(Failure::Usage(reason.to_owned()));
                 }
@@ -179,6 +179,9 @@ impl Build {
             ("parts_removed", json!(report.parts_removed)),
         ];
         members.extend(self.given.rules.describe(place));
+        if self.given.rules.batches.is_batched() {
+            members.push(("batches", batches::list(&mesh, &sequence)));
+        }
         let mut rows = Table::default();
         if let Some(given_up) = rules::given_up_text(report) {
             rows.row("gave", given_up);

@@ -19,6 +19,7 @@
 
 mod adapt;
 mod advice;
+mod batches;
 mod build;
 mod camera;
 mod canvas;

@@ -7,11 +7,12 @@ use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, SelfIntersection, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Order, Parts, Permissive,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Parts, Permissive,
     Placement, Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 
+use crate::batches::Batches;
 use crate::output::Failure;
 
 /// Stands for the material ids where attributes are named.
@@ -26,9 +27,8 @@ pub struct Rules {
     /// [default: optimal for lindstrom-turk, else endpoint].
     #[arg(long, value_name = "P", value_enum)]
     pub placement: Option<Place>,
-    /// Order of collapses: always the cheapest next, or batches of independent collapses.
-    #[arg(long, value_name = "O", value_enum, default_value_t = Sequence::Linear)]
-    pub order: Sequence,
+    #[command(flatten)]
+    pub batches: Batches,
     /// Measure of the error: how far points have travelled (quick, loose), their distance from the surface, or their distance
     /// with collapses put off if they turn out worse than foreseen (closest, slowest; for the quadric metric).
     #[arg(long, value_name = "K", value_enum, default_value_t = Measure::Measured)]
@@ -140,13 +140,6 @@ pub enum Place {
     Optimal,
 }
 
-/// Order of collapses.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Sequence {
-    Linear,
-    Batched,
-}
-
 /// Measure of a level's error.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Measure {
@@ -210,7 +203,16 @@ impl Weld {
 }
 
 impl Place {
-    fn name(self) -> &'static str {
+    pub fn placement(self) -> Placement {
+        match self {
+            Self::Midpoint => Placement::Midpoint,
+            Self::Endpoint => Placement::Endpoint,
+            Self::Subset => Placement::Subset,
+            Self::Optimal => Placement::Optimal,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
         match self {
             Self::Midpoint => "midpoint",
             Self::Endpoint => "endpoint",
@@ -265,17 +267,8 @@ impl Rules {
         normals: Normals,
     ) -> Result<Simplifier<Box<dyn ErrorMetric>>, Failure> {
         let unknown = || Failure::Usage(format!("there is no metric named {}", self.metric));
-        let metric = metric::by_name(&self.metric).ok_or_else(unknown)?;
-        let placement = match place {
-            Place::Midpoint => Placement::Midpoint,
-            Place::Endpoint => Placement::Endpoint,
-            Place::Subset => Placement::Subset,
-            Place::Optimal => Placement::Optimal,
-        };
-        let order = match self.order {
-            Sequence::Linear => Order::Linear,
-            Sequence::Batched => Order::Batched,
-        };
+        self.batches.check()?;
+        let metric = self.batches.metric(&self.metric).ok_or_else(unknown)?;
         let measure = match self.error_measure {
             Measure::Parametric => ErrorMeasure::Parametric,
             Measure::Measured => ErrorMeasure::Measured,
@@ -285,8 +278,9 @@ impl Rules {
         let borders = if self.lock_borders { Borders::Locked } else { Borders::Slide };
         let simplifier = Simplifier::new()
             .metric(metric)
-            .placement(placement)
-            .order(order)
+            .placement(place.placement())
+            .order(self.batches.order())
+            .independence(self.batches.independence())
             .error_measure(measure)
             .permissive(match self.permissive {
                 Gives::Off => Permissive::Off,
@@ -302,6 +296,10 @@ impl Rules {
             .oracle(borders)
             .oracle(NormalFlip::degrees(self.max_turn as f32))
             .oracle(TriangleQuality::at_least(self.min_quality as f32));
+        let simplifier = match self.batches.placement(place) {
+            Some(choose) => simplifier.placement_per_batch(choose),
+            None => simplifier,
+        };
         Ok(if self.keep_apart { simplifier.oracle(SelfIntersection::new()) } else { simplifier })
     }
 
@@ -314,10 +312,9 @@ impl Rules {
             }
             _ => json!("on"),
         };
-        vec![
+        let mut members = vec![
             ("metric", json!(self.metric)),
             ("placement", json!(place.name())),
-            ("order", json!(self.order_name())),
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
             ("weld_tolerance", json!(self.weld_tolerance.text)),
@@ -327,20 +324,15 @@ impl Rules {
             ("join_distance", json!(self.join_distance)),
             ("keep_parts", json!(self.keep_parts)),
             ("keep_apart", json!(self.keep_apart)),
-        ]
+        ];
+        members.extend(self.batches.describe());
+        members
     }
 
     /// Describes the rules, for people.
     pub fn describe_text(&self, place: Place) -> String {
-        let (order, measure) = (self.order_name(), self.measure_name());
+        let (order, measure) = (self.batches.order_name(), self.measure_name());
         format!("{}, {} placement, {order} order, {measure} error", self.metric, place.name())
-    }
-
-    fn order_name(&self) -> &'static str {
-        match self.order {
-            Sequence::Linear => "linear",
-            Sequence::Batched => "batched",
-        }
     }
 
     fn measure_name(&self) -> &'static str {

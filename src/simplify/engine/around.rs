@@ -4,7 +4,7 @@ use crate::mesh::NONE;
 
 use super::super::candidates::{Best, NO_BEST};
 use super::super::metric::{Dependence, ErrorMetric, Pair};
-use super::super::options::Order;
+use super::super::options::{Independence, Order};
 use super::{Engine, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
@@ -32,10 +32,14 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         if self.order == Order::Batched {
             self.state[pair.kept as usize] |= state::TOUCHED;
+        }
+        if self.order == Order::Batched && self.independence == Independence::Ring {
             ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
         } else {
             let dependence = self.metric.dependence();
             let memoryless = dependence == Dependence::Triangles;
+            // Edges between points of the ring go out of the batch.
+            let has_domains = self.order == Order::Batched && self.independence == Independence::Domain;
             let kept_counts = dependence == Dependence::Both || self.is_symmetric();
             if !self.verified.is_empty() {
                 ring.iter().for_each(|&n| self.verified[n as usize] = NONE);
@@ -43,7 +47,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
             for &n in &ring {
                 let other = self.best[n as usize].other;
-                let stale = memoryless | (other == pair.lost) | (kept_counts & (other == pair.kept));
+                let stale = memoryless | has_domains | (other == pair.lost) | (kept_counts & (other == pair.kept));
                 let asleep = self.state[n as usize] & state::ASLEEP != 0;
                 if (stale | asleep) && self.is_hub(n) && !self.is_time_for_hub(n) {
                     continue;
@@ -52,6 +56,12 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 if asleep {
                     self.wake(n);
                 }
+            }
+            if self.order == Order::Batched {
+                self.best[pair.kept as usize] = NO_BEST;
+                self.queue.remove(pair.kept);
+                self.ring = ring;
+                return;
             }
             if is_part {
                 // The hub's own candidates are looked at later; candidates of others into the hub are looked at now.
