@@ -34,7 +34,8 @@ fn main() -> Result<(), multires::Error> {
     println!("structure   vertices         triangles drawn   bytes a frame   moving");
     run::<VertexHierarchy>(&asset)?;
     run::<TotallyOrderedMesh>(&asset)?;
-    run::<WaveletMesh>(&asset)
+    run::<WaveletMesh>(&asset)?;
+    run::<Gmesh>(&asset)
 }
 
 /// All ways to draw a structure, each along the same flight.

@@ -1,6 +1,7 @@
 //! A single error type for the whole crate: every other error converts to it by `?`.
 
 use crate::error::MeshError;
+use crate::gmesh::{GmeshError, PartitionError};
 use crate::hierarchy::HierarchyError;
 use crate::lod::LodError;
 use crate::simplify::{OptionError, ProgressiveError, SequenceError};
@@ -36,6 +37,10 @@ pub enum Error {
     Progressive(#[from] ProgressiveError),
     /// An error of a totally ordered mesh.
     Tom(#[from] TomError),
+    /// An error of a g-mesh.
+    Gmesh(#[from] GmeshError),
+    /// Lengths do not make a partition.
+    Partition(#[from] PartitionError),
     /// An error of a vertex hierarchy.
     Hierarchy(#[from] HierarchyError),
     /// An error of a wavelet mesh.
@@ -64,6 +69,7 @@ impl Error {
         matches!(
             self,
             Self::Tom(TomError::Cancelled)
+                | Self::Gmesh(GmeshError::Cancelled)
                 | Self::Hierarchy(HierarchyError::Cancelled)
                 | Self::Wavelet(WaveletError::Cancelled)
         )

@@ -60,6 +60,7 @@
 //! | [`simplify`] | [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
 //! | [`lod`] | the interface common to all structures: [`Baked`] models, [`Lod`] instances, [`LodOptions`] |
 //! | [`tom`] | the [`TotallyOrderedMesh`]: every level in a vertex array and a triangle array |
+//! | [`gmesh`] | the [`Gmesh`]: few levels that turn into each other in a vertex shader, for objects drawn many times |
 //! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh |
 //! | [`wavelet`] | the [`WaveletMesh`]: fine where a view needs it, for subdivision meshes; textures stay in place |
 //! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
@@ -99,6 +100,7 @@
 pub mod adapt;
 mod any_error;
 pub mod error;
+pub mod gmesh;
 #[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
 pub mod guide;
 pub mod hierarchy;
@@ -116,6 +118,7 @@ pub mod wavelet;
 
 pub use any_error::Error;
 pub use error::MeshError;
+pub use gmesh::Gmesh;
 pub use hierarchy::VertexHierarchy;
 pub use lod::{Baked, Level, Lod, LodOptions, Structure};
 pub use mesh::{Attribute, Mesh};

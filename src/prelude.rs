@@ -12,6 +12,7 @@
 
 pub use crate::Error;
 pub use crate::adapt::{Blend, Change, Geomorph};
+pub use crate::gmesh::Gmesh;
 pub use crate::hierarchy::VertexHierarchy;
 pub use crate::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, Values, Vertex, VertexBuffer};
 pub use crate::mesh::{Attribute, Mesh, names};

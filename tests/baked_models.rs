@@ -13,7 +13,7 @@ use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::simplify::{Placement, Simplifier};
 use multires::view::{Answer, Bounds, Criterion, Motion};
 use multires::wavelet::{WaveletBuilder, WaveletMesh, WaveletOptions};
-use multires::{Error, MeshError, TotallyOrderedMesh, VertexHierarchy};
+use multires::{Error, Gmesh, MeshError, TotallyOrderedMesh, VertexHierarchy};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use support::lod::view;
@@ -77,6 +77,7 @@ fn models_are_written_and_read() {
     written::<VertexHierarchy>(&mesh);
     written::<TotallyOrderedMesh>(&mesh);
     written::<WaveletMesh>(&mesh);
+    written::<Gmesh>(&mesh);
     let tom = TotallyOrderedMesh::bake(&mesh).unwrap().to_bytes().unwrap();
     let other = Baked::<VertexHierarchy>::from_bytes(&tom).unwrap_err();
     assert!(matches!(other, BakeError::OtherKind { .. }), "{other}");
@@ -194,6 +195,7 @@ fn levels_do_not_exceed_what_is_asked_for() {
     levels::<VertexHierarchy>(&mesh);
     levels::<TotallyOrderedMesh>(&mesh);
     levels::<WaveletMesh>(&mesh);
+    levels::<Gmesh>(&mesh);
 
     // A level by error is what a criterion of that error asks for, with all that depends on it.
     let knot = shapes::torus_knot(2, 3, 60, 8);
@@ -251,6 +253,7 @@ fn builds_tell_how_far_they_are_and_stop() {
     progress::<VertexHierarchy>(&mesh);
     progress::<TotallyOrderedMesh>(&mesh);
     progress::<WaveletMesh>(&mesh);
+    progress::<Gmesh>(&mesh);
 }
 
 /// A model without triangles, and one without vertices, are models.
@@ -276,5 +279,6 @@ fn nothing_is_a_model_too() {
     for mesh in [Mesh::default(), Mesh::new([[0.0; 3], [1.0, 0.0, 0.0]], []).unwrap()] {
         nothing::<VertexHierarchy>(&mesh);
         nothing::<TotallyOrderedMesh>(&mesh);
+        nothing::<Gmesh>(&mesh);
     }
 }

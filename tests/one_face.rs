@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use asset::{Asset, Vertex};
 use gpu::Gpu;
 use multires::adapt::Geomorph;
+use multires::gmesh::Gmesh;
 use multires::hierarchy::HierarchyBuilder;
 use multires::lod::{Baked, Lod, LodError, LodOptions, Structure, Triangulation, Values, VertexBuffer};
 use multires::mesh::{Attribute, Mesh, names, shapes};
@@ -43,6 +44,7 @@ fn instances(asset: &Asset, options: &LodOptions) -> Vec<(&'static str, Box<dyn 
         one::<VertexHierarchy>(&mesh, asset, options),
         one::<TotallyOrderedMesh>(&mesh, asset, options),
         one::<WaveletMesh>(&mesh, asset, options),
+        one::<Gmesh>(&mesh, asset, options),
     ]
 }
 
@@ -79,7 +81,7 @@ fn assert_held(what: &str, lod: &dyn Lod, gpu: &Gpu) {
         assert!(gpu.held(0, lod.vertex_bytes().len()) == lod.vertex_bytes(), "{what}: vertices");
     }
     for group in 0..lod.groups() {
-        let indices: &[u8] = bytemuck::cast_slice(lod.triangles(group));
+        let indices: &[u8] = bytemuck::cast_slice(lod.buffered_triangles(group));
         assert!(gpu.held(1 + group, indices.len()) == indices, "{what}: group {group}");
     }
 }

@@ -42,7 +42,8 @@ impl Dirty {
     /// Returns the marked elements of a range as ascending ranges, as [`Dirty::ranges`] does, with indices relative to
     /// its start.
     pub(crate) fn ranges_of(&self, of: Range<usize>, gap: usize) -> DirtyRanges<'_> {
-        DirtyRanges { words: &self.words, at: of.start, start: of.start, count: of.end.max(of.start), gap }
+        let (words, count) = (&self.words[..], of.end.max(of.start));
+        DirtyRanges { words, at: of.start, start: of.start, count, gap, whole: 0..0 }
     }
 
     /// Forgets the marks of a range. O(length / 64).
@@ -73,12 +74,19 @@ pub struct DirtyRanges<'a> {
     /// End of the range searched.
     count: usize,
     gap: usize,
+    /// A range to return first.
+    whole: Range<usize>,
 }
 
 impl DirtyRanges<'_> {
     /// Creates an iterator without ranges.
     pub(crate) fn none() -> Self {
-        Self { words: &[], at: 0, start: 0, count: 0, gap: 0 }
+        Self::whole(0)
+    }
+
+    /// Creates an iterator with a single range from 0 on.
+    pub(crate) fn whole(count: usize) -> Self {
+        Self { words: &[], at: 0, start: 0, count: 0, gap: 0, whole: 0..count }
     }
 
     /// Returns the first element from `from` on with the given mark, or `count`.
@@ -104,6 +112,9 @@ impl Iterator for DirtyRanges<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
+        if !self.whole.is_empty() {
+            return Some(std::mem::take(&mut self.whole));
+        }
         if self.at >= self.count {
             return None;
         }

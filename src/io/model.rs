@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::baked::{BakeError, bake, baked_kind, read_bytes, unbake, write_baked};
+use crate::gmesh::Gmesh;
 use crate::hierarchy::VertexHierarchy;
 use crate::lod::{Baked, Model, Structure, Vertex};
 use crate::tom::TotallyOrderedMesh;
@@ -89,7 +90,7 @@ macro_rules! unbake_any {
 /// Errors of [`unbake`]; [`BakeError::OtherKind`] if the bytes hold no structure of this crate.
 pub fn unbake_model<V: Vertex>(bytes: &[u8]) -> Result<Box<dyn StoredModel<V>>, BakeError> {
     let kind = baked_kind(bytes)?;
-    Ok(unbake_any!(kind, bytes, VertexHierarchy, TotallyOrderedMesh, WaveletMesh))
+    Ok(unbake_any!(kind, bytes, VertexHierarchy, TotallyOrderedMesh, WaveletMesh, Gmesh))
 }
 
 /// Reads a baked model of any structure from a file, drawn with vertices of type `V`.

@@ -12,8 +12,9 @@ use super::{Baked, FromSequence};
 /// Share of a build's time taken by the simplification.
 const SIMPLIFICATION: f32 = 0.8;
 
-/// Simplifies a mesh and builds a structure from the result. Defaults: [`Simplifier`]'s (accumulated quadrics, endpoint
-/// placement, linear order, down to the base mesh) and the structure's options.
+/// Simplifies a mesh and builds a structure from the result. Defaults: the structure's simplifier
+/// ([`FromSequence::simplifier`]: accumulated quadrics, endpoint placement, linear order unless the structure needs batches,
+/// down to the base mesh) and options.
 ///
 /// ```
 /// use multires::hierarchy::{Dependencies, HierarchyBuilder};
@@ -41,7 +42,7 @@ impl<S: FromSequence> Default for Builder<S> {
 impl<S: FromSequence> Builder<S> {
     /// Makes a builder with the defaults.
     pub fn new() -> Self {
-        Self { simplifier: Simplifier::new(), options: S::Options::default() }
+        Self { simplifier: S::simplifier(), options: S::Options::default() }
     }
 }
 

@@ -62,6 +62,18 @@ pub trait Lod: Send {
     /// [`as_flattened`](slice::as_flattened) for a flat slice of indices.
     fn triangles(&self, group: usize) -> &[[u32; 3]];
 
+    /// Returns the triangles held by a group's index buffer: the drawn triangles, unless the buffer holds all levels of
+    /// detail, as a g-mesh's does. Empty if there is no such group.
+    fn buffered_triangles(&self, group: usize) -> &[[u32; 3]] {
+        self.triangles(group)
+    }
+
+    /// Returns the place of the first drawn triangle of a group in [`buffered_triangles`](Lod::buffered_triangles).
+    fn first_triangle(&self, group: usize) -> usize {
+        let _ = group;
+        0
+    }
+
     /// Returns the structure's vertex in every slot of a packed vertex buffer; `None` if indices name the structure's vertices.
     fn vertices(&self) -> Option<&[u32]>;
 
@@ -75,8 +87,8 @@ pub trait Lod: Send {
     /// [`VertexBuffer::Shared`](super::VertexBuffer::Shared).
     fn shares_vertices(&self) -> bool;
 
-    /// Returns the triangles of a group written since the last [`clean`](Lod::clean), as ascending ranges. Ranges with at most
-    /// `gap` unwritten triangles between them are merged.
+    /// Returns the triangles of a group's index buffer ([`buffered_triangles`](Lod::buffered_triangles)) written since the last
+    /// [`clean`](Lod::clean), as ascending ranges. Ranges with at most `gap` unwritten triangles between them are merged.
     fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_>;
 
     /// Returns the vertices of the vertex buffer written since the last [`clean`](Lod::clean), as ascending ranges. Ranges with

@@ -18,6 +18,7 @@
 //! | `instance.rs` | [`Lod`]: a drawn instance |
 //! | `uploads.rs` | [`Upload`], [`Draw`]: what a frame writes and draws |
 //! | `driver.rs` | common parts of instances refined by view |
+//! | `whole.rs` | common parts of instances of a single resolution |
 //! | `level.rs` | [`Level`]: a level of detail of the whole model |
 //! | `model.rs` | [`Model`]: a baked model of any structure |
 //! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
@@ -36,6 +37,7 @@ mod short_indices;
 mod structure;
 mod uploads;
 mod values;
+mod whole;
 
 pub use baked::Baked;
 pub use builder::Builder;
@@ -51,3 +53,4 @@ pub use structure::{FromSequence, Progress, Structure, VertexRank};
 pub use uploads::{Draw, Draws, Upload, Uploads};
 pub(crate) use values::Mix;
 pub use values::{Values, Vertex};
+pub(crate) use whole::{Allowed, Whole};

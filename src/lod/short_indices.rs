@@ -16,8 +16,8 @@ const HIGHEST: u32 = u16::MAX as u32 - 1;
 #[derive(Debug, Clone, Default)]
 pub struct ShortIndices {
     triangles: Vec<[u16; 3]>,
-    /// Triangles drawn.
-    drawn: usize,
+    /// Triangles in the buffer.
+    buffered: usize,
     dirty: Dirty,
     /// Set if all indices fitted at the last update.
     fits: bool,
@@ -30,8 +30,8 @@ impl ShortIndices {
     /// Returns `None` if an index is above 65,534, possible only with more than 65,535 vertices in use (packed) or in all. Draw
     /// the 32-bit indices then. O(written triangles); O(triangles) if the last update did not fit.
     pub fn update(&mut self, lod: &(impl Lod + ?Sized), group: usize) -> Option<&[[u16; 3]]> {
-        let triangles = lod.triangles(group);
-        self.drawn = triangles.len();
+        let triangles = lod.buffered_triangles(group);
+        self.buffered = triangles.len();
         self.fits =
             if self.fits { self.take_written(triangles, lod, group) } else { self.take_all(triangles) };
         self.fits.then(|| &self.triangles[..triangles.len()])
@@ -40,12 +40,12 @@ impl ShortIndices {
     /// Returns the triangles written since the last [`ShortIndices::clean`], as ascending ranges. Ranges with at most `gap`
     /// unwritten triangles between them are merged. Returns all triangles if the update before the last did not fit.
     pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
-        self.dirty.ranges(self.drawn, gap)
+        self.dirty.ranges(self.buffered, gap)
     }
 
     /// Forgets what was written. Call it after the upload.
     pub fn clean(&mut self) {
-        self.dirty.clear_range(0..self.drawn);
+        self.dirty.clear_range(0..self.buffered);
     }
 
     fn take_all(&mut self, triangles: &[[u32; 3]]) -> bool {

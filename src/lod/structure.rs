@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
-use crate::simplify::{CollapseSequence, OptionError};
+use crate::simplify::{CollapseSequence, OptionError, Simplifier};
 
 use super::{Baked, Extracted, Level, Lod, LodError, LodOptions, Values, Vertex};
 
@@ -138,6 +138,11 @@ pub trait Structure: Sized + Send + Sync + 'static {
 
 /// A structure built from a collapse sequence.
 pub trait FromSequence: Structure<Error: From<OptionError>> {
+    /// Returns the simplifier suited to the structure, used by [`Structure::bake`] and [`Builder`](super::Builder).
+    fn simplifier() -> Simplifier {
+        Simplifier::new()
+    }
+
     /// Builds the structure from a mesh and its simplification, with its vertices and their origins.
     ///
     /// # Errors

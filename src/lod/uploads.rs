@@ -50,7 +50,7 @@ impl<'a> Iterator for Uploads<'a> {
             if let Some(range) = self.ranges.next() {
                 let (all, each) = match self.buffer.checked_sub(1) {
                     None => (self.lod.vertex_bytes(), self.lod.vertex_size()),
-                    Some(group) => (bytemuck::cast_slice(self.lod.triangles(group)), TRIANGLE),
+                    Some(group) => (bytemuck::cast_slice(self.lod.buffered_triangles(group)), TRIANGLE),
                 };
                 // Vertices without values have no bytes.
                 let Some(bytes) = all.get(range.start * each..range.end * each).filter(|b| !b.is_empty())
@@ -106,8 +106,13 @@ impl Iterator for Draws<'_> {
             self.group += 1;
             let count = 3 * self.lod.triangles(group).len() as u32;
             if count > 0 {
-                let material = self.lod.material(group);
-                return Some(Draw { buffer: 1 + group, indices: 0..count, base_vertex: 0, material });
+                let (material, first) = (self.lod.material(group), 3 * self.lod.first_triangle(group) as u32);
+                return Some(Draw {
+                    buffer: 1 + group,
+                    indices: first..first + count,
+                    base_vertex: 0,
+                    material,
+                });
             }
         }
         None

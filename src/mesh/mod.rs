@@ -14,6 +14,7 @@
 //! | `midpoints.rs` | vertices at the midpoint of two others, smooth normals |
 //! | `near.rs` | nearly coincident positions: [`Mesh::welded`] |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
+//! | `volume.rs` | enclosed volume |
 //! | `vertices.rs` | meshes from an engine's vertex and index buffers |
 //! | `shapes/` | [`shapes`]: procedural meshes for tests, demos and the quickstart |
 
@@ -31,6 +32,7 @@ pub mod shapes;
 mod tolerances;
 mod topology;
 mod vertices;
+mod volume;
 
 pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};

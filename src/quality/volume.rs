@@ -8,9 +8,7 @@ use glam::DVec3;
 
 use crate::mesh::Mesh;
 
-use super::closed::check_closed;
-
-/// Returns the enclosed volume in cubic object units, negative if the triangles face inward.
+/// Returns the enclosed volume in cubic object units, negative if the triangles face inward: [`Mesh::volume`].
 ///
 /// `None` without triangles, or unless each edge between two positions is traversed equally often in both directions.
 /// Otherwise the surface is open or inconsistently oriented, and the sum would depend on the origin. Vertices at the
@@ -25,18 +23,7 @@ use super::closed::check_closed;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn volume(mesh: &Mesh) -> Option<f64> {
-    let [low, high] = mesh.bounds()?.map(|p| DVec3::from_array(p.map(f64::from)));
-    if check_closed(mesh, "given").is_err() {
-        return None;
-    }
-    // Relative to the middle: avoids cancellation far from the origin.
-    let middle = low + (high - low) * 0.5;
-    let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)) - middle;
-    let six = mesh.triangles().iter().map(|t| {
-        let [a, b, c] = t.map(position);
-        a.cross(b).dot(c)
-    });
-    Some(six.sum::<f64>() / 6.0)
+    mesh.volume()
 }
 
 /// Returns the volume of a level divided by the original's: K_vol as normalised by Southern (section 4.2.1). 1 if no

@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
 use crate::lod::{
-    Baked, Draws, Level, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer,
+    Allowed, Baked, Draws, Level, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer,
+    Whole,
 };
 use crate::mesh::{Mesh, NONE};
-use crate::view::{Bounds, Criterion, Motion, ObjectView};
+use crate::view::ObjectView;
 
 use super::indices::Indices;
 use super::{Resolution, TotallyOrderedMesh};
@@ -31,9 +32,7 @@ pub struct TomLod<V> {
     options: LodOptions,
     factor: f32,
     views: Vec<ObjectView>,
-    /// Bounding sphere of the model, with the diagonal as its error.
-    bounds: Bounds,
-    diagonal: f32,
+    whole: Whole,
     /// Resolution asked for by the views, within the triangle limit.
     wanted: Resolution,
     indices: Indices,
@@ -74,10 +73,6 @@ impl<V: Vertex> TomLod<V> {
     ) -> Result<Self, LodError> {
         values.check(model.structure().vertex_count())?;
         let mix = values.mix_for(options)?;
-        let [low, high] = model.bounds().unwrap_or_default().map(glam::Vec3::from_array);
-        // Halves first, so no box overflows.
-        let (centre, radius) = (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).length());
-        let diagonal = (2.0 * radius).min(f32::MAX);
         let mut indices = Indices::new(Arc::clone(model.table()?));
         let coarsest = model.structure().coarsest();
         indices.seek(coarsest, |_| {});
@@ -86,8 +81,7 @@ impl<V: Vertex> TomLod<V> {
             options: *options,
             factor: 1.0,
             views: Vec::new(),
-            bounds: Bounds::new(centre.to_array(), radius, diagonal, diagonal),
-            diagonal,
+            whole: Whole::new(model.bounds()),
             wanted: coarsest,
             indices,
             dirty_triangles: Dirty::default(),
@@ -214,8 +208,7 @@ impl<V: Vertex> TomLod<V> {
         if to.vertices() == now.vertices() {
             return;
         }
-        let seen = self.views.iter().any(|view| view.sees(&self.bounds));
-        if !seen || progress >= 1.0 {
+        if !self.whole.is_seen(&self.views) || progress >= 1.0 {
             return self.seek(to);
         }
         let opening = to.vertices() > now.vertices();
@@ -279,26 +272,16 @@ impl<V: Vertex> Moving<V> {
 
 impl<V: Vertex> Lod for TomLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        let motion = match self.views.is_empty() {
-            true => Motion::Other,
-            false => Criterion::<Bounds>::motion(views, &self.views),
-        };
+        let motion = Whole::motion(views, &self.views);
         self.views.clear();
         self.views.extend_from_slice(views);
-        // The urgency is the factor by which tolerances must grow to allow an error of a whole diagonal. Hence the largest
-        // allowed error is `diagonal * factor / urgency`.
-        let urgency = views.urgency(&self.bounds);
-        // A model in focus is drawn at full resolution.
-        let is_in_focus = views.test(&Bounds { error: 0.0, parametric: 0.0, ..self.bounds }).refine;
-        let level = if is_in_focus {
-            Level::Ratio(1.0)
-        } else if urgency > 0.0 {
-            Level::Error((f64::from(self.diagonal) * f64::from(self.factor) / urgency) as f32)
-        } else {
-            Level::Vertices(0)
+        let level = match self.whole.allowed(views, self.factor) {
+            Allowed::Nothing => Level::Ratio(1.0),
+            Allowed::Error(error) => Level::Error(error),
+            Allowed::Anything => Level::Vertices(0),
         };
         let wanted = self.within_limit(self.tom().at(level));
-        let diagonal = f64::from(self.diagonal);
+        let diagonal = f64::from(self.whole.diagonal());
         let progress =
             self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
         self.follow(wanted, progress)

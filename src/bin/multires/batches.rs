@@ -112,10 +112,7 @@ impl Batches {
     }
 
     /// Returns the placement of each batch, `first` to begin with; `None` if it is the same for all.
-    pub fn placement(
-        &self,
-        first: Place,
-    ) -> Option<impl Fn(Batch) -> Placement + Send + Sync + use<>> {
+    pub fn placement(&self, first: Place) -> Option<impl Fn(Batch) -> Placement + Send + Sync + use<>> {
         if self.schedule.iter().all(|stage| stage.place.is_none()) {
             return None;
         }

@@ -7,8 +7,8 @@ use multires::mesh::{Mesh, Tolerances};
 use multires::simplify::metric::{self, ErrorMetric};
 use multires::simplify::oracle::{Borders, NormalFlip, SelfIntersection, TriangleQuality};
 use multires::simplify::{
-    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Parts, Permissive,
-    Placement, Refusal, Simplifier, SimplifyReport, StopReason,
+    AttributeWeights, ErrorMeasure, GivenUp, Guard, Normals, NormalsDone, Parts, Permissive, Placement,
+    Refusal, Simplifier, SimplifyReport, StopReason,
 };
 use serde_json::{Value, json};
 

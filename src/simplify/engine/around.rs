@@ -47,7 +47,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
             for &n in &ring {
                 let other = self.best[n as usize].other;
-                let stale = memoryless | has_domains | (other == pair.lost) | (kept_counts & (other == pair.kept));
+                let stale =
+                    memoryless | has_domains | (other == pair.lost) | (kept_counts & (other == pair.kept));
                 let asleep = self.state[n as usize] & state::ASLEEP != 0;
                 if (stale | asleep) && self.is_hub(n) && !self.is_time_for_hub(n) {
                     continue;

@@ -1,0 +1,410 @@
+//! A drawn instance of a g-mesh: a position between the finest and the coarsest level, from the error that the views allow.
+//!
+//! ```text
+//!     views -> allowed error -> position      0      1      2      3
+//!                                 level 1, share 0.6 |---o--|
+//! ```
+
+use std::sync::Arc;
+
+use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
+use crate::lod::{
+    Allowed, Baked, Draws, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer, Whole,
+};
+use crate::mesh::{Mesh, NONE};
+use crate::view::ObjectView;
+
+use super::{Gmesh, Morph, Partition};
+
+/// Data shared by instances: the model's sphere, and positions of errors.
+#[derive(Debug, Clone)]
+pub struct Table {
+    whole: Whole,
+    partition: Partition,
+    /// Error at T = 1, object units: no state has a larger error than its T times this.
+    reach: f64,
+}
+
+impl Table {
+    pub(super) fn new(model: &Baked<Gmesh>) -> Self {
+        let gmesh = model.structure();
+        let partition = Partition::by_error(gmesh);
+        let marks = gmesh.levels().iter().zip(partition.starts()).skip(1);
+        let reach =
+            marks.map(|(level, &start)| f64::from(level.error) / f64::from(start)).fold(0.0, f64::max);
+        Self { whole: Whole::new(model.bounds()), partition, reach }
+    }
+
+    /// Returns the coarsest state with an error within what is allowed.
+    fn state(&self, allowed: Allowed) -> Morph {
+        let t = match allowed {
+            Allowed::Nothing => 0.0,
+            Allowed::Anything => 1.0,
+            // Without any error, any level does.
+            Allowed::Error(error) if self.reach > 0.0 => f64::from(error) / self.reach,
+            Allowed::Error(_) => 1.0,
+        };
+        // Rounded towards the finer state.
+        let rounded = t as f32;
+        self.partition.at(if f64::from(rounded) > t { rounded.next_down() } else { rounded })
+    }
+}
+
+/// A drawn instance of a [`Gmesh`], at the coarsest state with an error bound within the tolerance at the point of the
+/// model's bounding sphere nearest to the eye.
+///
+/// Index buffers hold all levels and are written once. With [`LodOptions::geomorph`], vertices are moved by the processor, and
+/// the vertex buffer is written as they move; the state then moves at most one level per duration while it is seen. Without,
+/// the vertex buffer holds the vertices at rest and is written once: draw with a shader that moves them by
+/// [`GmeshLod::uniform`], or leave them at rest.
+#[derive(Debug, Clone)]
+pub struct GmeshLod<V> {
+    model: Baked<Gmesh>,
+    table: Arc<Table>,
+    options: LodOptions,
+    factor: f32,
+    /// Views of the last call; kept only where vertices move.
+    views: Vec<ObjectView>,
+    /// Number of views tested by the last call.
+    tests: usize,
+    /// State drawn.
+    now: Morph,
+    /// State asked for, within the triangle limit.
+    wanted: Morph,
+    values: Values<V>,
+    moving: Option<Moving<V>>,
+    /// Set until the index buffers are uploaded.
+    unwritten: bool,
+    /// Written vertices, in use or not.
+    dirty_vertices: Dirty,
+}
+
+/// State of moving vertices.
+#[derive(Debug, Clone)]
+struct Moving<V> {
+    mix: Mix<V>,
+    /// Drawn value of each vertex.
+    drawn: Vec<V>,
+    /// State of `drawn`.
+    at: Morph,
+}
+
+impl<V: Vertex> GmeshLod<V> {
+    /// Makes an instance at the coarsest level. Needs as many values as vertices.
+    pub(super) fn of(
+        model: &Baked<Gmesh>,
+        values: Values<V>,
+        options: &LodOptions,
+    ) -> Result<Self, LodError> {
+        values.check(model.structure().vertex_count())?;
+        let mix = values.mix_for(options)?;
+        let coarsest = Morph { level: model.structure().levels().len() - 1, share: 0.0 };
+        let mut lod = Self {
+            model: model.clone(),
+            table: Arc::clone(model.table()?),
+            options: *options,
+            factor: 1.0,
+            views: Vec::new(),
+            tests: 0,
+            now: coarsest,
+            wanted: coarsest,
+            moving: mix.map(|mix| Moving::new(mix, &values, coarsest)),
+            values,
+            unwritten: true,
+            dirty_vertices: Dirty::default(),
+        };
+        lod.invalidate();
+        Ok(lod)
+    }
+
+    /// Returns the structure.
+    pub fn gmesh(&self) -> &Arc<Gmesh> {
+        self.model.structure()
+    }
+
+    /// Returns the drawn state.
+    pub fn state(&self) -> Morph {
+        self.now
+    }
+
+    /// Returns the drawn state as a uniform of a shader ([`MORPH_WGSL`](super::MORPH_WGSL)).
+    pub fn uniform(&self) -> super::MorphUniform {
+        self.gmesh().uniform(self.now)
+    }
+
+    /// Returns the drawn values of all vertices of the structure.
+    pub fn values(&self) -> &[V] {
+        self.moving.as_ref().map_or(&self.values, |moving| &moving.drawn)
+    }
+
+    /// Draws a state at once, within the triangle limit, whatever the views: for a T of your own
+    /// ([`Partition::at`](super::Partition::at)), by distance or by a controller.
+    ///
+    /// ```
+    /// use multires::gmesh::{DistanceRange, Gmesh, Partition};
+    /// use multires::prelude::*;
+    ///
+    /// let mesh = multires::mesh::shapes::rock(2_000, 1);
+    /// let model = Gmesh::bake(&mesh)?;
+    /// let mut lod = model.instance(model.arrange(mesh.positions())?, &LodOptions::default())?;
+    /// let partition = Partition::even(lod.gmesh().levels().len());
+    /// let range = DistanceRange { near: 2.0, far: 20.0 };
+    /// let change = lod.show(partition.at(range.t(11.0)));
+    /// assert!(change.triangles < mesh.triangles().len() / 4);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn show(&mut self, state: Morph) -> Change {
+        let before = self.now;
+        self.views.clear();
+        self.tests = 0;
+        self.wanted = self.within_limit(self.gmesh().clamped(state));
+        self.place(self.wanted);
+        self.change(before)
+    }
+
+    /// Reports the change from state `before` to the drawn state.
+    fn change(&self, before: Morph) -> Change {
+        let vertices = |morph: Morph| self.gmesh().levels()[morph.level].vertices;
+        let (was, is, wanted) = (vertices(before), vertices(self.now), vertices(self.wanted));
+        let triangles = self.gmesh().levels()[self.now.level].triangles;
+        let moves = self.moving.is_some() && self.now.share > 0.0;
+        Change {
+            cut: CutReport {
+                tests: self.tests,
+                splits: is.saturating_sub(was),
+                collapses: was.saturating_sub(is),
+            },
+            triangles,
+            pending: is.abs_diff(wanted),
+            moving: if moves { self.gmesh().moving(self.now.level).len() } else { 0 },
+            over_budget: self.options.triangles.is_some_and(|most| triangles > most),
+        }
+    }
+
+    /// Returns a state, or if it has too many triangles, the finest level within the triangle limit.
+    fn within_limit(&self, state: Morph) -> Morph {
+        let gmesh = self.gmesh();
+        match self.options.triangles {
+            Some(most) if gmesh.levels()[state.level].triangles > most => {
+                Morph { level: gmesh.level_within(most), share: 0.0 }
+            }
+            _ => state,
+        }
+    }
+
+    /// Holds while more triangles are drawn than the limit allows, and fewer are possible.
+    fn is_above_limit(&self) -> bool {
+        let gmesh = self.gmesh();
+        let now = gmesh.levels()[self.now.level].triangles;
+        self.options.triangles.is_some_and(|most| now > most) && self.now.level + 1 < gmesh.levels().len()
+    }
+
+    /// Returns the state reached towards the wanted state in a single call: at most `progress` levels away, and at most the
+    /// allowed number of vertices, but at least a level.
+    fn towards(&self, progress: f32) -> Morph {
+        if self.is_above_limit() {
+            return self.wanted;
+        }
+        let (levels, now, wanted) = (self.gmesh().levels(), self.now.position(), self.wanted.position());
+        let mut to = wanted;
+        if progress < 1.0 {
+            to = wanted.clamp(now - progress, now + progress);
+        }
+        if let Some(most) = self.options.operations {
+            let here = levels[self.now.level].vertices;
+            let near = |level: &usize| levels[*level].vertices.abs_diff(here) <= most;
+            let finest = (0..self.now.level).find(near).unwrap_or(self.now.level.saturating_sub(1));
+            let coarsest = (self.now.level + 1..levels.len()).rev().find(near).unwrap_or(self.now.level + 1);
+            to = to.clamp(finest as f32, coarsest as f32);
+        }
+        if to == wanted { self.wanted } else { Morph::at(to, levels.len()) }
+    }
+
+    /// Draws a state.
+    fn place(&mut self, to: Morph) {
+        self.now = to;
+        let gmesh = Arc::clone(self.model.structure());
+        let Self { moving: Some(Moving { mix, drawn, at }), values, dirty_vertices, .. } = self else {
+            return;
+        };
+        if *at == to {
+            return;
+        }
+        if at.level != to.level && at.share > 0.0 {
+            for vertex in gmesh.moving(at.level) {
+                drawn[vertex] = values[vertex];
+                dirty_vertices.mark(vertex as u32);
+            }
+        }
+        if to.share > 0.0 || at.level == to.level {
+            for vertex in gmesh.moving(to.level) {
+                let target = gmesh.targets()[vertex] as usize;
+                drawn[vertex] = (mix.blend)(&values[vertex], &values[target], to.share);
+                dirty_vertices.mark(vertex as u32);
+            }
+        }
+        *at = to;
+    }
+
+    /// Returns the number of vertices in the buffer.
+    fn buffered(&self) -> usize {
+        match self.options.buffer {
+            VertexBuffer::Packed => self.gmesh().levels()[self.now.level].vertices,
+            _ => self.values.len(),
+        }
+    }
+}
+
+impl<V: Vertex> Moving<V> {
+    fn new(mix: Mix<V>, values: &[V], at: Morph) -> Self {
+        Self { mix, drawn: values.to_vec(), at }
+    }
+}
+
+impl<V: Vertex> Lod for GmeshLod<V> {
+    fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        let before = self.now;
+        let allowed = self.table.whole.allowed(views, self.factor);
+        self.wanted = self.within_limit(self.table.state(allowed));
+        self.tests = views.len();
+        let mut progress = 1.0;
+        if let Some(geomorph) = self.options.geomorph {
+            // Out of view before or now, vertices jump.
+            let whole = &self.table.whole;
+            if whole.is_seen(&self.views) && whole.is_seen(views) {
+                let motion = Whole::motion(views, &self.views);
+                progress = geomorph.progress(seconds, motion, f64::from(whole.diagonal()));
+            }
+            self.views.clear();
+            self.views.extend_from_slice(views);
+        }
+        self.place(self.towards(progress));
+        self.change(before)
+    }
+
+    fn refine_fully(&mut self) -> Change {
+        self.views.clear();
+        let before = self.now;
+        self.wanted = self.within_limit(Morph::default());
+        self.settle();
+        self.change(before)
+    }
+
+    fn settle(&mut self) {
+        self.place(Morph { share: 0.0, ..self.wanted });
+    }
+
+    fn options(&self) -> &LodOptions {
+        &self.options
+    }
+
+    fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
+        let mix = self.values.mix_for(options)?;
+        let moves = mix.is_some() != self.moving.is_some();
+        let rebuilt = moves || options.buffer != self.options.buffer;
+        if rebuilt || options.is_immediate() {
+            self.settle();
+        }
+        self.options = *options;
+        if moves {
+            self.moving = mix.map(|mix| Moving::new(mix, &self.values, self.now));
+            self.views.clear();
+        }
+        if rebuilt {
+            self.invalidate();
+        }
+        Ok(())
+    }
+
+    fn tolerance_factor(&self) -> f32 {
+        self.factor
+    }
+
+    fn set_tolerance_factor(&mut self, factor: f32) {
+        if factor > 0.0 && factor.is_finite() {
+            self.factor = factor;
+        }
+    }
+
+    fn refinements(&self) -> usize {
+        let levels = self.gmesh().levels();
+        levels[self.wanted.level].vertices - levels[levels.len() - 1].vertices
+    }
+
+    fn groups(&self) -> usize {
+        self.gmesh().groups()
+    }
+
+    fn material(&self, group: usize) -> u32 {
+        self.gmesh().material_ids().get(group).copied().unwrap_or(NONE)
+    }
+
+    fn triangles(&self, group: usize) -> &[[u32; 3]] {
+        self.gmesh().triangles(self.now.level, group)
+    }
+
+    fn buffered_triangles(&self, group: usize) -> &[[u32; 3]] {
+        self.gmesh().index_buffer(group)
+    }
+
+    fn first_triangle(&self, group: usize) -> usize {
+        self.gmesh().range(self.now.level, group).start
+    }
+
+    fn vertices(&self) -> Option<&[u32]> {
+        None
+    }
+
+    fn vertex_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.values()[..self.buffered()])
+    }
+
+    fn vertex_size(&self) -> usize {
+        size_of::<V>()
+    }
+
+    fn shares_vertices(&self) -> bool {
+        self.options.buffer == VertexBuffer::Shared && self.moving.is_none()
+    }
+
+    fn dirty_triangles(&self, group: usize, _: usize) -> DirtyRanges<'_> {
+        let count = if self.unwritten { self.gmesh().index_buffer(group).len() } else { 0 };
+        DirtyRanges::whole(count)
+    }
+
+    fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
+        self.dirty_vertices.ranges(self.buffered(), gap)
+    }
+
+    fn uploads(&self) -> Uploads<'_> {
+        Uploads::new(self)
+    }
+
+    fn draws(&self) -> Draws<'_> {
+        Draws::new(self)
+    }
+
+    /// Clears the marks of triangles and buffered vertices. Other vertices keep their marks: nobody uploaded them.
+    fn clean(&mut self) {
+        self.unwritten = false;
+        let buffered = self.buffered();
+        self.dirty_vertices.clear_range(0..buffered);
+    }
+
+    fn invalidate(&mut self) {
+        self.unwritten = true;
+        self.dirty_vertices.clear();
+        if !self.shares_vertices() {
+            self.dirty_vertices.mark_all(self.values.len());
+        }
+    }
+
+    fn to_mesh(&self) -> Mesh {
+        self.model.mesh_at(Morph { share: 0.0, ..self.now })
+    }
+
+    fn memory(&self) -> usize {
+        let moving = self.moving.as_ref().map_or(0, |moving| size_of_val(&moving.drawn[..]));
+        self.dirty_vertices.memory() + self.views.capacity() * size_of::<ObjectView>() + moving
+    }
+}

@@ -1,0 +1,424 @@
+//! Promises of a g-mesh: levels are images of each other, states turn into each other without a jump, errors hold, seams stay
+//! closed, and bad parts are refused.
+
+use std::collections::BTreeMap;
+
+use multires::gmesh::{
+    DistanceRange, Gmesh, GmeshBuilder, GmeshError, GmeshOptions, GmeshParts, Morph, Partition,
+};
+use multires::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, VertexBuffer};
+use multires::mesh::{Mesh, Report, names, shapes};
+use multires::simplify::{Independence, Order, Placement, Simplifier, Target};
+use multires::view::{View, look_at};
+use proptest::prelude::*;
+
+/// Meshes of every kind, of about `n` triangles.
+fn shape(kind: usize, n: u32, seed: u32) -> Mesh {
+    match kind {
+        0 => shapes::rock(n, seed),
+        1 => shapes::gravel(2 + n / 60, seed),
+        2 => shapes::prop(4 + n / 200),
+        3 => shapes::robot(4 + n / 400),
+        4 => shapes::cad_part(seed),
+        5 => shapes::soup(4 + n / 20, seed),
+        6 => shapes::tree(3 + n / 60),
+        _ => shapes::torus(1.0, 0.3, 4 + n / 40, 10),
+    }
+}
+
+const KINDS: usize = 8;
+
+fn simplifier(place: usize, order: usize) -> Simplifier {
+    let place = [Placement::Endpoint, Placement::Midpoint, Placement::Subset, Placement::Optimal][place];
+    let simplifier = Simplifier::new().placement(place);
+    match order {
+        0 => simplifier,
+        1 => simplifier.order(Order::Batched),
+        2 => simplifier.order(Order::Batched).independence(Independence::Domain),
+        _ => simplifier.order(Order::Batched).independence(Independence::Matching),
+    }
+}
+
+fn bake(mesh: &Mesh, place: usize, order: usize, share: f32) -> Baked<Gmesh> {
+    let builder = GmeshBuilder::new().simplifier(simplifier(place, order));
+    builder.options(GmeshOptions::default().with_share(share)).bake(mesh).unwrap()
+}
+
+/// The triangles of all groups of a level.
+fn triangles(gmesh: &Gmesh, level: usize) -> Vec<[u32; 3]> {
+    (0..gmesh.groups()).flat_map(|group| gmesh.triangles(level, group)).copied().collect()
+}
+
+fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
+    (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Triangles by the positions of their corners, from whichever corner they start.
+fn by_place(mesh: &Mesh) -> BTreeMap<[[u32; 3]; 3], usize> {
+    let mut count = BTreeMap::new();
+    for triangle in mesh.triangles() {
+        let mut corners = triangle.map(|v| mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits()));
+        let least = (0..3).min_by_key(|&i| corners[i]).unwrap();
+        corners.rotate_left(least);
+        if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
+            *count.entry(corners).or_default() += 1;
+        }
+    }
+    count
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// What is drawn does not jump where levels meet, in position or in any attribute.
+    #[test]
+    fn levels_meet_without_a_jump(
+        kind in 0..KINDS, n in 30_u32..2000, seed in 0_u32..99, place in 0_usize..4, order in 0_usize..4, share in 0.2_f32..0.9,
+    ) {
+        let mesh = shape(kind, n, seed);
+        let model = bake(&mesh, place, order, share);
+        let gmesh = model.structure();
+        let diagonal = mesh.diagonal();
+        let rows: Vec<usize> = (0..gmesh.vertex_count()).collect();
+        let positions = model.vertices().positions();
+        for level in 0..gmesh.levels().len() {
+            let all = triangles(gmesh, level);
+            let prefix = gmesh.levels()[level].vertices as u32;
+            prop_assert!(all.iter().all(|t| !is_degenerate(*t) && t.iter().all(|&v| v < prefix)));
+            prop_assert_eq!(all.len(), gmesh.levels()[level].triangles);
+            if level + 1 == gmesh.levels().len() {
+                prop_assert!(gmesh.moving(level).is_empty());
+                continue;
+            }
+            // The same vertices at the end of the way, for every triangle that the next level has.
+            let image = |t: [u32; 3]| t.map(|v| {
+                if gmesh.moving(level).contains(&(v as usize)) { gmesh.targets()[v as usize] } else { v }
+            });
+            let images = all.iter().map(|&t| image(t)).filter(|t| !is_degenerate(*t));
+            prop_assert!(images.eq(triangles(gmesh, level + 1)));
+            // Just before the swap every drawn point is where it will be.
+            let mut drawn = Vec::new();
+            gmesh.fill(positions, Morph { level, share: 1.0 - f32::EPSILON }, &mut drawn);
+            let mut ids: Vec<f32> = Vec::new();
+            let own: Vec<f32> = rows.iter().map(|&row| row as f32).collect();
+            gmesh.fill(&own, Morph { level, share: 1.0 }, &mut ids);
+            for t in &all {
+                for (&v, to) in t.iter().zip(image(*t)) {
+                    prop_assert!(distance(drawn[v as usize], positions[to as usize]) <= 1e-6 * diagonal);
+                    // At the end, exactly: whatever a vertex carries is its target's.
+                    prop_assert_eq!(ids[v as usize], to as f32);
+                }
+            }
+        }
+    }
+
+    /// The ends are exact, and levels are what the sequence has after their batches.
+    #[test]
+    fn levels_are_those_of_the_sequence(
+        kind in 0..KINDS, n in 30_u32..1500, seed in 0_u32..99, place in 0_usize..4, order in 0_usize..4,
+    ) {
+        let mesh = shape(kind, n, seed);
+        let sequence = simplifier(place, order).run(&mesh).unwrap();
+        let model = Baked::<Gmesh>::of_sequence(&mesh, &sequence, &GmeshOptions::default()).unwrap();
+        let gmesh = model.structure();
+        let mut steps = 0;
+        for (level, facts) in gmesh.levels().iter().enumerate() {
+            let at = model.mesh_at(Morph { level, share: 0.0 });
+            let wanted = by_place(&at);
+            if level > 0 {
+                // The first number of steps with this level's triangles. Input triangles without area count there too.
+                steps = steps.max(sequence.steps_for_triangles(at.triangles().len() + mesh.triangles().len() - gmesh.levels()[0].triangles));
+                while by_place(&sequence.extract(&mesh, steps)) != wanted {
+                    steps += 1;
+                    prop_assert!(steps <= sequence.len(), "level {} is not of the sequence", level);
+                }
+            }
+            prop_assert!(facts.error >= sequence.error_after(steps) || level == 0);
+            prop_assert_eq!(facts.volume, at.volume());
+        }
+        prop_assert!(steps == sequence.len() || gmesh.levels().len() == 1
+            || by_place(&sequence.extract(&mesh, sequence.len())) == by_place(&sequence.extract(&mesh, steps)));
+    }
+
+    /// A closed surface stays closed on the way: wedges of a point move together.
+    #[test]
+    fn seams_stay_closed_on_the_way(seed in 0_u32..99, place in 0_usize..4, t in 0.0_f32..1.0, kind in 0_usize..2) {
+        let mesh = if kind == 0 { shapes::prop(6) } else { shapes::robot(6) };
+        let before = Report::welded(&mesh);
+        let model = bake(&mesh, place, 3, 0.65);
+        let state = Partition::even(model.structure().levels().len()).at(t + seed as f32 * 1e-3);
+        let drawn = model.mesh_at(state);
+        if before.border_edges == 0 {
+            prop_assert_eq!(Report::welded(&drawn).border_edges, 0);
+        }
+    }
+
+    #[test]
+    fn partitions_rise_and_states_follow(
+        lengths in proptest::collection::vec(0.01_f32..10.0, 0..12), ts in proptest::collection::vec(-0.5_f32..1.5, 1..50),
+    ) {
+        let partition = Partition::by_lengths(&lengths).unwrap();
+        let starts = partition.starts();
+        prop_assert!(starts.len() == lengths.len() + 1 && starts[0] == 0.0);
+        prop_assert!(starts.windows(2).all(|pair| pair[0] < pair[1]));
+        prop_assert!(lengths.is_empty() || starts[lengths.len()] == 1.0);
+        let mut ts = ts;
+        ts.sort_by(f32::total_cmp);
+        let position = |t: f32| { let m = partition.at(t); m.level as f32 + m.share };
+        prop_assert!(ts.windows(2).all(|pair| position(pair[0]) <= position(pair[1])));
+        for t in ts {
+            prop_assert!((0.0..1.0).contains(&partition.at(t).share));
+            let back = partition.t_of(partition.at(t));
+            let clamped = if lengths.is_empty() { 0.0 } else { t.clamp(0.0, 1.0) };
+            prop_assert!((back - clamped).abs() < 1e-6);
+        }
+        for (level, &start) in starts.iter().enumerate() {
+            prop_assert_eq!(partition.at(start), Morph { level, share: 0.0 });
+        }
+    }
+
+    /// Parts with anything changed are refused or make a mesh that draws without a panic.
+    #[test]
+    fn damaged_parts_do_no_harm(seed in 0_u32..99, hits in proptest::collection::vec((0_usize..7, any::<u32>(), any::<u32>()), 1..4)) {
+        let mesh = shapes::prop(4);
+        let model = bake(&mesh, (seed % 4) as usize, 3, 0.65);
+        let mut parts = GmeshParts::from((**model.structure()).clone());
+        prop_assert_eq!(&Gmesh::try_from(parts.clone()).unwrap(), &**model.structure());
+        for (what, at, value) in hits {
+            let put = |list: &mut Vec<u32>| {
+                let at = at as usize % (list.len() + 1);
+                if at == list.len() { list.push(value % 500) } else { list[at] = value % (list.len() as u32 + 2) }
+            };
+            match what {
+                0 => put(&mut parts.level_vertices),
+                1 => { let at = at as usize % parts.level_errors.len(); parts.level_errors[at] = f32::from_bits(value) }
+                2 => put(&mut parts.targets),
+                3 => { let at = at as usize % parts.triangles.len(); parts.triangles[at][(value % 3) as usize] = value / 3 % 600 }
+                4 => put(&mut parts.group_ends),
+                5 => put(&mut parts.material_ids),
+                _ => { parts.level_errors.pop(); }
+            }
+        }
+        if let Ok(gmesh) = Gmesh::try_from(parts) {
+            let mut drawn = Vec::new();
+            let values: Vec<f32> = (0..gmesh.vertex_count()).map(|v| v as f32).collect();
+            for level in 0..gmesh.levels().len() + 1 {
+                gmesh.fill(&values, Morph { level, share: 0.5 }, &mut drawn);
+                let known = drawn.len() as u32;
+                prop_assert!(triangles(&gmesh, level).as_flattened().iter().all(|&v| v < known));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_takes_few_levels_and_little_memory() {
+    let mesh = shapes::rock(10_000, 1);
+    let build = |place| {
+        let simplifier = simplifier(place, 3).target(Target::Triangles(200));
+        GmeshBuilder::new().simplifier(simplifier).bake(&mesh).unwrap()
+    };
+    let model = build(0);
+    let levels = model.structure().levels();
+    assert!((5..=8).contains(&(levels.len() - 1)), "{levels:?}");
+    assert!(levels.last().unwrap().triangles <= 200);
+    // Position, normal and texture coordinates.
+    let vertex = 32;
+    let plain = vertex * mesh.positions().len() + 12 * mesh.triangles().len();
+    let ratio = model.structure().memory(vertex) as f64 / plain as f64;
+    assert!(ratio <= 2.6, "{ratio}");
+    // With 16-bit indices in both.
+    let short = |bytes: usize, triangles: usize| bytes - 6 * triangles;
+    let all: usize = levels.iter().map(|level| level.triangles).sum();
+    let ratio = short(model.structure().memory(vertex), all) as f64 / plain as f64;
+    assert!(ratio <= 2.2, "{ratio}");
+}
+
+#[test]
+fn errors_of_states_hold_against_samples() {
+    for mesh in [shapes::rock(3_000, 2), shapes::torus(1.0, 0.4, 60, 30)] {
+        let model = bake(&mesh, 0, 3, 0.65);
+        let gmesh = model.structure();
+        for level in 0..gmesh.levels().len() - 3 {
+            for share in [0.0, 0.25, 0.5, 0.75] {
+                let morph = Morph { level, share };
+                let bound = gmesh.error(morph);
+                let [low, high] = [level, level + 1].map(|level| gmesh.levels()[level].error);
+                assert!((low..=high).contains(&bound));
+                #[cfg(feature = "quality")]
+                {
+                    let options = multires::quality::DistanceOptions::default().with_samples(20_000);
+                    let apart = multires::quality::distance(&mesh, &model.mesh_at(morph), &options).unwrap();
+                    let most = f64::from(high) * 1.1 + 1e-6 * mesh.diagonal();
+                    assert!(apart.hausdorff() <= most, "{morph:?}: {} beyond {most}", apart.hausdorff());
+                }
+            }
+        }
+    }
+}
+
+/// Parts of a heap vanish where they are: no vertex flies to another part.
+#[test]
+fn vanishing_parts_shrink_in_place() {
+    let mesh = shapes::gravel(60, 4);
+    let model = bake(&mesh, 0, 3, 0.65);
+    let gmesh = model.structure();
+    let positions = model.vertices().positions();
+    // The largest stone; stones lie apart by about as much.
+    let stone = mesh.triangles().iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+    let edge = stone.map(|[a, b]| distance(mesh.positions()[a as usize], mesh.positions()[b as usize]));
+    let edge = edge.fold(0.0, f64::max);
+    let mut parts = vec![usize::MAX; gmesh.vertex_count()];
+    let mut changed = true;
+    for (v, part) in parts.iter_mut().enumerate() {
+        *part = v;
+    }
+    while changed {
+        changed = false;
+        for t in triangles(gmesh, 0) {
+            let least = t.iter().map(|&v| parts[v as usize]).min().unwrap();
+            for v in t {
+                changed |= parts[v as usize] != least;
+                parts[v as usize] = least;
+            }
+        }
+    }
+    assert!(gmesh.levels().last().unwrap().triangles < 60, "some stones vanish: {edge}");
+    for (v, &target) in gmesh.targets().iter().enumerate() {
+        assert_eq!(parts[v], parts[target as usize], "{:?} flies to another stone", positions[v]);
+    }
+}
+
+#[test]
+fn partitions_come_from_levels() {
+    let closed = bake(&shapes::rock(3_000, 1), 0, 3, 0.65);
+    let gmesh = closed.structure();
+    let volumes: Vec<f64> = gmesh.levels().iter().map(|level| level.volume.unwrap()).collect();
+    let partition = Partition::by_volume(gmesh);
+    let whole = volumes[0] - volumes[volumes.len() - 1];
+    if volumes.windows(2).all(|pair| pair[0] - pair[1] > whole / (32.0 * volumes.len() as f64)) {
+        for (start, volume) in partition.starts().iter().zip(&volumes) {
+            assert!((f64::from(*start) - (volumes[0] - volume) / whole).abs() < 1e-5);
+        }
+    }
+    // Open: by error.
+    let open = bake(&shapes::terrain(40, 1), 0, 3, 0.65);
+    assert!(open.structure().levels().iter().all(|level| level.volume.is_none()));
+    assert_eq!(Partition::by_volume(open.structure()), Partition::by_error(open.structure()));
+    // A flat plane: no error anywhere, yet every level has a range.
+    let flat = bake(&shapes::plane(20), 0, 3, 0.65);
+    let partition = Partition::by_error(flat.structure());
+    assert!(partition.starts().windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(Partition::by_lengths(&[1.0, 0.0]).is_err());
+    assert!(Partition::by_lengths(&[1.0, f32::NAN]).is_err());
+    assert!(Partition::by_lengths(&[1e-30, 1e30]).is_err());
+    assert_eq!(Partition::even(0).at(0.3), Morph::default());
+    assert_eq!(Partition::even(1).at(7.0), Morph::default());
+    assert_eq!(partition.at(f32::NAN), Morph::default());
+    let range = DistanceRange { near: 1.0, far: 3.0 };
+    assert_eq!([range.t(0.0), range.t(2.0), range.t(5.0)], [-0.5, 0.5, 2.0]);
+    let none = DistanceRange { near: 1.0, far: 1.0 };
+    assert_eq!([none.t(1.0), none.t(1.5), none.t(f32::NAN)], [0.0, 1.0, 0.0]);
+}
+
+/// An instance draws the coarsest state within the tolerance, moves no faster than asked, and writes indices once.
+#[test]
+fn an_instance_follows_the_view() {
+    let mesh = shapes::rock(5_000, 7);
+    let model = Gmesh::bake(&mesh).unwrap();
+    let values = model.arrange(mesh.positions()).unwrap().with_blending();
+    let diagonal = mesh.diagonal() as f32;
+    let [low, high] = model.bounds().unwrap();
+    let centre: [f32; 3] = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+    let view = |far: f32| {
+        let to_eye = look_at([0.0, 0.0, far * diagonal], [0.0; 3], [0.0, 1.0, 0.0]);
+        View::perspective(to_eye, 1.0, [1280, 720]).unwrap().with_tolerance_px(2.0).of_world()
+    };
+    let shared = LodOptions::default().with_buffer(VertexBuffer::Shared);
+    let mut lod = model.instance(values.clone(), &shared).unwrap();
+    lod.clean();
+    let mut states = Vec::new();
+    for i in 0..60 {
+        let far = 0.8 + i as f32 * i as f32 * 0.05;
+        let view = view(far);
+        lod.adapt(std::slice::from_ref(&view), 0.0);
+        let nearest = distance([0.0, 0.0, far * diagonal], centre) - 0.5 * f64::from(diagonal);
+        let allowed = view.error_at(nearest);
+        let error = f64::from(lod.gmesh().error(lod.state()));
+        assert!(error <= allowed * 1.000_01, "{error} beyond {allowed}");
+        states.push(lod.state());
+        assert_eq!(lod.uploads().count(), 0, "all was uploaded once");
+    }
+    let position = |m: &Morph| m.level as f32 + m.share;
+    assert!(states.windows(2).all(|pair| position(&pair[0]) <= position(&pair[1])));
+    assert!(states.iter().map(|m| m.level).max() > Some(2) && states.iter().any(|m| m.share > 0.0));
+
+    // With a duration, a cut of the eye takes time; the first view does not.
+    let slow = multires::adapt::Geomorph::default()
+        .with_duration(1.0)
+        .with_travel(f32::INFINITY)
+        .with_turn(f32::INFINITY);
+    let mut lod = model.instance(values, &LodOptions::default().with_geomorph(slow)).unwrap();
+    lod.adapt(&[view(1.0)], 0.1);
+    let fine = lod.state();
+    let mut before = position(&fine);
+    for _ in 0..200 {
+        lod.adapt(&[view(40.0)], 0.1);
+        let now = position(&lod.state());
+        assert!(now >= before && now - before <= 0.1001);
+        before = now;
+    }
+    let mut at_once =
+        model.instance(model.arrange(mesh.positions()).unwrap(), &LodOptions::default()).unwrap();
+    at_once.adapt(&[view(40.0)], 0.1);
+    assert_eq!(lod.state(), at_once.state());
+
+    // Limits.
+    let limited = LodOptions::default().with_triangles(500);
+    let mut lod = model.instance(model.arrange(mesh.positions()).unwrap(), &limited).unwrap();
+    assert!(lod.refine_fully().triangles <= 500 && lod.adapt(&[view(0.8)], 0.1).triangles <= 500);
+}
+
+#[test]
+fn odd_input_makes_a_small_g_mesh() {
+    for mesh in [Mesh::new([], []).unwrap(), shapes::tetrahedron()] {
+        let model = Gmesh::bake(&mesh).unwrap();
+        assert!(!model.structure().levels().is_empty());
+        let mut lod =
+            model.instance(model.arrange(mesh.positions()).unwrap(), &LodOptions::default()).unwrap();
+        assert_eq!(lod.refine_fully().triangles, mesh.triangles().len());
+        lod.adapt(&[], f32::NAN);
+        assert_eq!(model.level(Level::Error(f32::NAN)).mesh.triangles().len(), mesh.triangles().len());
+    }
+    let mesh = shapes::rock(300, 1);
+    let sequence = Gmesh::simplifier().run(&mesh).unwrap();
+    for share in [0.0, -1.0, 0.95, f32::NAN] {
+        let options = GmeshOptions::default().with_share(share);
+        let refused = Gmesh::build(&mesh, &sequence, &options);
+        assert!(matches!(refused, Err(GmeshError::Option(_))), "{share}");
+    }
+    assert!(matches!(
+        Gmesh::build(&shapes::cube(), &sequence, &GmeshOptions::default()),
+        Err(GmeshError::Sequence(_))
+    ));
+}
+
+/// Attributes of moved vertices are mixed as the level's are.
+#[test]
+fn moved_vertices_carry_all_attributes() {
+    let mesh = shapes::prop(6);
+    let model = bake(&mesh, 0, 3, 0.65);
+    let [own, half] = [0.0, 0.5].map(|share| model.mesh_at(Morph { level: 1, share }));
+    assert_eq!(own.triangles().len(), half.triangles().len());
+    assert_eq!(own.materials(), half.materials());
+    for attribute in mesh.attributes() {
+        assert!(half.attribute(attribute.name()).is_some(), "{} is lost", attribute.name());
+    }
+    let normals = half.attribute(names::NORMAL).and_then(|a| a.as_floats()).unwrap();
+    assert!(normals.chunks(3).all(|n| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-3));
+    assert_ne!(own.positions(), half.positions());
+}
