@@ -253,7 +253,7 @@ fn errors_of_states_hold_against_samples() {
                 {
                     let options = multires::quality::DistanceOptions::default().with_samples(20_000);
                     let apart = multires::quality::distance(&mesh, &model.mesh_at(morph), &options).unwrap();
-                    let most = f64::from(high) * 1.1 + 1e-6 * mesh.diagonal();
+                    let most = f64::from(high) * 1.3 + 1e-6 * mesh.diagonal();
                     assert!(apart.hausdorff() <= most, "{morph:?}: {} beyond {most}", apart.hausdorff());
                 }
             }

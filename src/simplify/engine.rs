@@ -15,6 +15,7 @@
 //! lower bound and the order is exactly the greedy order; memoryless metrics notice a falling cost late.
 
 mod around;
+mod filling;
 mod finish;
 mod give;
 mod hubs;
@@ -44,6 +45,7 @@ use super::report::StopReason;
 use super::sequence::CollapseSequence;
 use super::simplifier::{Placements, Settings};
 use super::surface::WorkingSurface;
+use filling::Filling;
 use vanish::Vanishing;
 
 pub(super) use hubs::HUB;
@@ -408,11 +410,23 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
     /// Serves the queue until it is empty (`None`) or there is a reason to stop.
     fn run_batch(&mut self, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<StopReason> {
         let mut next_call = self.recorder.steps() + PROGRESS_STEPS;
-        // Band in which the target was reached.
+        // Band in which the target was reached, and in which the batch was full: other tiles have steps of equal cost.
         let mut last_band = None;
+        let mut full_band = None;
+        let mut filling = Filling::new(self.surface.live_triangles());
+        let fills = self.order == Order::Batched && self.independence == Independence::Matching;
         while let Some(point) = self.next_point() {
             if last_band.is_some_and(|band| band != self.queue.bands()) {
                 return Some(StopReason::Target);
+            }
+            if full_band.is_some_and(|band| band != self.queue.bands()) {
+                break;
+            }
+            if fills && filling.is_full(self.surface.live_triangles(), self.queue.rank()) {
+                if !self.queue.is_tiled() {
+                    break;
+                }
+                full_band = full_band.or(Some(self.queue.bands()));
             }
             if let Some(part) = (point as usize).checked_sub(self.state.len()) {
                 if !self.serve_part(part as u32) {
@@ -422,7 +436,6 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
                 continue;
             }
             if last_band.is_none() && self.is_done() {
-                // Other tiles have steps of equal cost.
                 if !self.queue.is_tiled() {
                     return Some(StopReason::Target);
                 }

@@ -21,7 +21,7 @@ pub enum Order {
 /// Collapses that may share a batch of [`Order::Batched`]. Whatever the choice, no point is merged twice in a batch, and no
 /// two points are merged into a third one.
 ///
-/// Share of the triangles kept by a batch on scans, endpoint placement: 0.84 (`Ring`), 0.70 (`Domain`), 0.54 (`Matching`).
+/// Share of the triangles kept by a batch on scans, endpoint placement: 0.84 (`Ring`), 0.70 (`Domain`), 0.59 (`Matching`).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -33,7 +33,8 @@ pub enum Independence {
     /// A collapse takes every edge of the triangles it changes out of the batch: its edge collapse domain (Southern 3.4).
     Domain,
     /// A collapse takes its two points out of the batch. A batch nearly halves the mesh: for few levels of detail
-    /// ([`Gmesh`](crate::gmesh::Gmesh)).
+    /// ([`Gmesh`](crate::gmesh::Gmesh)). It ends at 0.59 of the triangles, before the collapses that linear order would do
+    /// last, or where costs leap by a factor of 1000.
     Matching,
 }
 

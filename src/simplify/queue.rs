@@ -22,6 +22,8 @@ use crate::mesh::NONE;
 
 /// Bits dropped from the cost to get its class: 8 exponent bits and 4 of the mantissa remain (the sign is always 0).
 const CLASS_SHIFT: u32 = 19;
+/// Classes of an octave of cost.
+pub(super) const CLASSES_PER_OCTAVE: u32 = 1 << (f32::MANTISSA_DIGITS - 1 - CLASS_SHIFT);
 const CLASSES: u32 = (f32::INFINITY.to_bits() >> CLASS_SHIFT) + 1;
 /// Most waiting points served as a single tile: their neighbourhoods fit a last-level cache.
 const WHOLE: usize = 65_536;

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use multires::gmesh::{Gmesh, GmeshOptions};
 use multires::hierarchy::{Dependencies, HierarchyOptions, VertexHierarchy};
 use multires::lod::{FromSequence, Structure as _};
 use multires::mesh::Mesh;
-use multires::simplify::{CollapseSequence, Normals, NormalsDone};
+use multires::simplify::{CollapseSequence, Normals, NormalsDone, Target};
 use multires::tom::{TomOptions, TotallyOrderedMesh};
 use multires::view::ErrorShape;
 use multires::wavelet::{
@@ -15,11 +16,12 @@ use multires::wavelet::{
 };
 use serde_json::{Value, json};
 
+use crate::batches::{Independent, Sequence};
 use crate::facts::Facts;
 use crate::model::Model;
 use crate::output::{Answer, Failure, Run, Table};
 use crate::progress::Bar;
-use crate::rules::{self, Given, Place};
+use crate::rules::{self, Given, Place, share};
 use crate::{batches, files, simplify};
 
 /// Bake all levels of detail of a mesh into one file.
@@ -28,9 +30,12 @@ use crate::{batches, files, simplify};
 /// (hierarchy) takes any placement. Berkey and Song's system is --metric edge-length --placement midpoint --order batched
 /// --dependencies neighbours, with --radius in `adapt` and `fly`.
 ///
+/// The g-mesh (gmesh) has few levels that turn into each other, for objects drawn many times. Batches that nearly halve the
+/// mesh are then the default, and each is a level.
+///
 /// Wavelets (wavelet) are for meshes made by four-to-one subdivision of coarser meshes. Nothing is simplified: the coarsest
 /// such mesh is found, and every vertex above it is a wavelet.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Build {
     /// The mesh file to read.
     #[arg(value_name = "IN")]
@@ -52,6 +57,12 @@ pub struct Build {
     /// Shape around a wavelet's errors: a spheroid, or a sphere with two cones (Hoppe) [default: spheroid].
     #[arg(long, value_name = "E", value_enum)]
     shape: Option<Shape>,
+    /// Largest share of the triangles kept from a level of a g-mesh to the next, above 0 to 0.9 [default: 0.65].
+    #[arg(long, value_name = "R", value_parser = share)]
+    level_share: Option<f64>,
+    /// Stop simplifying at this many triangles [default: at the base mesh].
+    #[arg(long, value_name = "N")]
+    coarsest: Option<usize>,
     #[command(flatten)]
     given: Given,
 }
@@ -63,6 +74,8 @@ enum Structure {
     Tom,
     /// Vertex hierarchy: fine where a view needs it.
     Hierarchy,
+    /// Geomorph mesh: few levels that turn into each other in a vertex shader.
+    Gmesh,
     /// Wavelets over subdivision connectivity: fine where a view needs it, and nothing slides.
     Wavelet,
 }
@@ -103,6 +116,7 @@ impl Run for Build {
         only_for(self.dependencies.is_some(), "--dependencies", Structure::Hierarchy, "hierarchy")?;
         only_for(self.bound.is_some(), "--bound", Structure::Wavelet, "wavelet")?;
         only_for(self.shape.is_some(), "--shape", Structure::Wavelet, "wavelet")?;
+        only_for(self.level_share.is_some(), "--level-share", Structure::Gmesh, "gmesh")?;
         match self.structure {
             Structure::Tom => {
                 let place = self.given.rules.placement.unwrap_or(Place::Endpoint);
@@ -120,6 +134,17 @@ impl Run for Build {
                 };
                 let options = HierarchyOptions::default().with_dependencies(dependencies);
                 self.of_sequence::<VertexHierarchy>(self.given.rules.place(), &options)
+            }
+            Structure::Gmesh => {
+                let mut build = self.clone();
+                let batches = &mut build.given.rules.batches;
+                if batches.order.is_none() {
+                    batches.order = Some(Sequence::Batched);
+                    batches.independence.get_or_insert(Independent::Matching);
+                }
+                let options = GmeshOptions::default();
+                let options = self.level_share.map_or(options, |share| options.with_share(share as f32));
+                build.of_sequence::<Gmesh>(self.given.rules.place(), &options)
             }
             Structure::Wavelet => self.wavelet(),
         }
@@ -151,6 +176,9 @@ impl Build {
         let bar = Bar::new("simplifying");
         // Vertices of a structure are fixed, so their normals are the input's.
         let mut simplifier = self.given.rules.simplifier(place, Normals::Keep)?;
+        if let Some(triangles) = self.coarsest {
+            simplifier = simplifier.target(Target::Triangles(triangles));
+        }
         let sequence = simplifier.run_with(&mesh, |progress| bar.show(progress)).map_err(Failure::input)?;
         let mut notes = imported.notes;
         if Normals::Automatic.resolve(&mesh) != Ok(NormalsDone::Kept) {
@@ -192,6 +220,9 @@ impl Build {
 
     fn wavelet(&self) -> Result<Answer, Failure> {
         self.given.check_unused("--structure wavelet simplifies nothing")?;
+        if self.coarsest.is_some() {
+            return Err(Failure::Usage("--coarsest: --structure wavelet simplifies nothing".to_owned()));
+        }
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
         let input_text = files::describe_text(&self.input, &imported.mesh);

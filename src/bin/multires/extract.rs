@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::adapt::Refinements;
+use multires::gmesh::{Gmesh, Morph};
 use multires::lod::{Extracted, Level};
 use multires::wavelet::{Normals, WaveletMesh};
 use serde_json::json;
@@ -63,7 +64,8 @@ struct Asked {
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
     /// From 0, the coarsest level, to 1, the finest: this share of the vertices beyond the base mesh. For a wavelet mesh, the
-    /// number of a level, from 0, the base mesh.
+    /// number of a level, from 0, the base mesh. For a g-mesh, the number of a level, from 0, the finest; with a fraction, the
+    /// share of the way to the next level.
     #[arg(long, value_name = "T", value_parser = level)]
     level: Option<f64>,
 }
@@ -123,8 +125,7 @@ impl Asked {
 
 /// Parses a share, or the number of a level.
 fn level(text: &str) -> Result<f64, String> {
-    let level = not_negative(text).ok().filter(|level| *level <= 1.0 || level.fract() == 0.0);
-    level.ok_or_else(|| "not a number from 0 to 1, nor the whole number of a level".to_owned())
+    not_negative(text).map_err(|_| "not a number from 0 to 1, nor the number of a level".to_owned())
 }
 
 /// Returns the nearest single-precision number not above `x`, for promises of "at most".
@@ -145,7 +146,17 @@ impl Run for Extract {
             return Err(Failure::Usage("--normals is for wavelet meshes".to_owned()));
         }
         let start = Instant::now();
-        let Extracted { mesh, error, .. } = model.0.level(self.asked.level(&model)?);
+        let (mesh, error) = match (model.0.as_any().downcast_ref::<Baked<Gmesh>>(), self.asked.level) {
+            (Some(gmesh), Some(level)) => {
+                let state =
+                    gmesh.structure().clamped(Morph { level: level as usize, share: level.fract() as f32 });
+                (gmesh.mesh_at(state), gmesh.structure().error(state))
+            }
+            _ => {
+                let Extracted { mesh, error, .. } = model.0.level(self.asked.level(&model)?);
+                (mesh, error)
+            }
+        };
         let seconds = start.elapsed().as_secs_f64();
         files::write_mesh(&self.output, &mesh)?;
 

@@ -2,6 +2,7 @@
 //! the program, `build.rs` names structures to build them, and `extract.rs` wavelets for their own levels.
 
 use multires::Baked;
+use multires::gmesh::{Gmesh, Partition};
 use multires::hierarchy::{Dependencies, VertexHierarchy};
 use multires::lod::{Extracted, Level};
 use multires::tom::TotallyOrderedMesh;
@@ -27,6 +28,8 @@ impl Facts {
             facts.hierarchy(model.structure());
         } else if let Some(baked) = any.downcast_ref::<Baked<WaveletMesh>>() {
             facts.wavelet(baked.structure());
+        } else if let Some(baked) = any.downcast_ref::<Baked<Gmesh>>() {
+            facts.gmesh(baked.structure(), model.diagonal());
         } else if let Some(baked) = any.downcast_ref::<Baked<TotallyOrderedMesh>>() {
             facts.tom(baked.structure(), model);
         }
@@ -101,6 +104,30 @@ impl Facts {
             .row("coarsest", format!("{} triangles", hierarchy.base_triangle_count()))
             .row("splits", format!("{}, {made} new vertices", hierarchy.split_count()))
             .row("dependencies", dependencies);
+    }
+
+    fn gmesh(&mut self, gmesh: &Gmesh, diagonal: f64) {
+        let level = |level: &multires::gmesh::GmeshLevel| {
+            json!({
+                "triangles": level.triangles,
+                "vertices": level.vertices,
+                "error": level.error,
+                "error_percent": percent(f64::from(level.error), diagonal),
+                "volume": level.volume,
+            })
+        };
+        let [volume, error] = [Partition::by_volume(gmesh), Partition::by_error(gmesh)];
+        self.say([
+            ("levels", gmesh.levels().iter().map(level).collect()),
+            ("starts_by_volume", json!(volume.starts())),
+            ("starts_by_error", json!(error.starts())),
+        ]);
+        for (index, level) in gmesh.levels().iter().enumerate() {
+            let volume = level.volume.map_or(String::new(), |volume| format!(", volume {volume:.6}"));
+            let error = error_text(f64::from(level.error), percent(f64::from(level.error), diagonal));
+            let counts = format!("{} vertices, {} triangles", level.vertices, level.triangles);
+            self.rows.row(&format!("level {index}"), format!("{counts}, error {error}{volume}"));
+        }
     }
 
     fn wavelet(&mut self, mesh: &WaveletMesh) {

@@ -9,6 +9,7 @@
 //! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | a command each |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
+//! | `batches.rs` | arguments about batches, and the list of what each left |
 //! | `rules.rs` | how to simplify: arguments common to `simplify` and `build`; `advice.rs`: options to get further |
 //! | `model.rs` | a baked model of any structure, and how it is drawn |
 //! | `camera.rs` | how to look: arguments common to `adapt` and `fly` |

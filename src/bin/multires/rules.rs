@@ -90,6 +90,7 @@ pub enum Switch {
 }
 
 /// Rules, and the names of the given ones: for commands that take none.
+#[derive(Clone)]
 pub struct Given {
     pub rules: Rules,
     /// Names of the given rules on the command line.
