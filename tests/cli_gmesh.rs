@@ -47,7 +47,8 @@ fn a_g_mesh_is_baked_and_its_levels_are_listed() {
     }
     let triangles: Vec<usize> = levels.iter().map(|level| number(&level["triangles"])).collect();
     assert_eq!(triangles[0], mesh.triangles().len());
-    assert!(triangles.windows(2).all(|pair| pair[1] * 100 < pair[0] * 65));
+    // All but the last keep as much as a batch.
+    assert!(triangles.windows(2).rev().skip(1).all(|pair| pair[1] * 100 < pair[0] * 65));
 
     for (level, count) in triangles.iter().enumerate().take(4) {
         for (part, share) in [("", 0.0), (".25", 0.25)] {
@@ -102,8 +103,9 @@ fn arguments_without_a_use_are_refused() {
         ("--structure gmesh --schedule quadric", "SHARE=METRIC"),
         ("--structure wavelet --coarsest 5", "--coarsest"),
     ] {
-        let said = json("build", &[&input, &baked], how).refusal();
-        assert!(said.contains(word), "{how}: {said}");
+        let said = json("build", &[&input, &baked], how);
+        assert_ne!(said.code, Some(0), "{how}");
+        assert!(said.out.contains(word), "{how}: {}", said.out);
     }
     assert_eq!(folder.names(), ["in.ply"]);
 }
