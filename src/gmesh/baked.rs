@@ -131,6 +131,10 @@ impl Structure for Gmesh {
         (0..self.vertex_count()).map(rank).collect()
     }
 
+    fn morph_targets(&self) -> &[u32] {
+        self.targets()
+    }
+
     fn check_vertices(&self, vertices: &Mesh) -> Result<(), GmeshError> {
         let fits = |what, found, expected| {
             if found == expected { Ok(()) } else { Err(GmeshError::Length { what, found, expected }) }

@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
 use crate::lod::{
-    Allowed, Baked, Draws, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer, Whole,
+    Allowed, Baked, Draws, Lod, LodError, LodOptions, Mix, MorphUniform, Uploads, Values, Vertex,
+    VertexBuffer, Whole,
 };
 use crate::mesh::{Mesh, NONE};
 use crate::view::ObjectView;
@@ -56,7 +57,7 @@ impl Table {
 /// Index buffers hold all levels and are written once. With [`LodOptions::geomorph`], vertices are moved by the processor, and
 /// the vertex buffer is written as they move; the state then moves at most one level per duration while it is seen. Without,
 /// the vertex buffer holds the vertices at rest and is written once: draw with a shader that moves them by
-/// [`GmeshLod::uniform`], or leave them at rest.
+/// [`Lod::morph`], or leave them at rest.
 #[derive(Debug, Clone)]
 pub struct GmeshLod<V> {
     model: Baked<Gmesh>,
@@ -125,11 +126,6 @@ impl<V: Vertex> GmeshLod<V> {
     /// Returns the drawn state.
     pub fn state(&self) -> Morph {
         self.now
-    }
-
-    /// Returns the drawn state as a uniform of a shader ([`MORPH_WGSL`](super::MORPH_WGSL)).
-    pub fn uniform(&self) -> super::MorphUniform {
-        self.gmesh().uniform(self.now)
     }
 
     /// Returns the drawn values of all vertices of the structure.
@@ -365,6 +361,14 @@ impl<V: Vertex> Lod for GmeshLod<V> {
 
     fn shares_vertices(&self) -> bool {
         self.options.buffer == VertexBuffer::Shared && self.moving.is_none()
+    }
+
+    fn shares_triangles(&self) -> bool {
+        true
+    }
+
+    fn morph(&self) -> Option<MorphUniform> {
+        self.moving.is_none().then(|| self.gmesh().uniform(self.now))
     }
 
     fn dirty_triangles(&self, group: usize, _: usize) -> DirtyRanges<'_> {

@@ -75,5 +75,7 @@ pub use morph::Morph;
 pub use options::GmeshOptions;
 pub use partition::{DistanceRange, Partition, PartitionError};
 pub use parts::GmeshParts;
-pub use shader::{MORPH_GLSL, MORPH_WGSL, MorphUniform};
+pub use shader::{MORPH_GLSL, MORPH_WGSL};
+
+pub use crate::lod::MorphUniform;
 pub use structure::{Gmesh, GmeshLevel};

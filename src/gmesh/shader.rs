@@ -1,6 +1,6 @@
 //! A state in a vertex shader: two numbers, and functions for WGSL and GLSL.
 
-use bytemuck::{Pod, Zeroable};
+use crate::lod::MorphUniform;
 
 use super::{Gmesh, Morph};
 
@@ -21,16 +21,6 @@ pub const MORPH_WGSL: &str = include_str!("morph.wgsl");
 /// GLSL functions for a vertex shader, as [`MORPH_WGSL`], from GLSL ES 3.00 on (WebGL 2): the vertex's number is `gl_VertexID`
 /// (Vulkan: `gl_VertexIndex`). Insert it after `#version` and precision.
 pub const MORPH_GLSL: &str = include_str!("morph.glsl");
-
-/// A state as a uniform of a shader.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
-pub struct MorphUniform {
-    /// The first moving vertex; earlier vertices stay.
-    pub first_moving: u32,
-    /// Share of the way to the targets, 0 to 1.
-    pub share: f32,
-}
 
 impl Gmesh {
     /// Returns a state as a uniform of a shader.

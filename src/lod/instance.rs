@@ -1,10 +1,22 @@
 //! A drawn instance of any structure: the calls of an engine's frame.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::adapt::{Change, DirtyRanges};
 use crate::mesh::Mesh;
 use crate::view::ObjectView;
 
 use super::{Draws, LodError, LodOptions, Uploads};
+
+/// A state between two levels as a uniform of a vertex shader ([`MORPH_WGSL`](crate::gmesh::MORPH_WGSL)).
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct MorphUniform {
+    /// The first moving vertex; earlier vertices stay.
+    pub first_moving: u32,
+    /// Share of the way to the targets, 0 to 1.
+    pub share: f32,
+}
 
 /// A drawn instance; its level of detail follows the view. Made by [`Baked::instance`](super::Baked::instance).
 ///
@@ -86,6 +98,18 @@ pub trait Lod: Send {
     /// Holds if the vertex buffer is the values themselves, shared by all instances and never written:
     /// [`VertexBuffer::Shared`](super::VertexBuffer::Shared).
     fn shares_vertices(&self) -> bool;
+
+    /// Holds if index buffers hold the same for all instances, and are written once: a renderer may keep a single copy of
+    /// [`buffered_triangles`](Lod::buffered_triangles), and leave out the uploads of all others.
+    fn shares_triangles(&self) -> bool {
+        false
+    }
+
+    /// Returns the way of vertices to their targets, to be gone in a vertex shader: of a g-mesh whose vertices the processor does
+    /// not move. `None` if the vertex buffer holds vertices as drawn. Targets are [`Model::morph_targets`](super::Model::morph_targets).
+    fn morph(&self) -> Option<MorphUniform> {
+        None
+    }
 
     /// Returns the triangles of a group's index buffer ([`buffered_triangles`](Lod::buffered_triangles)) written since the last
     /// [`clean`](Lod::clean), as ascending ranges. Ranges with at most `gap` unwritten triangles between them are merged.

@@ -43,7 +43,7 @@ pub use baked::Baked;
 pub use builder::Builder;
 pub(crate) use driver::{Driver, Everything};
 pub use error::LodError;
-pub use instance::Lod;
+pub use instance::{Lod, MorphUniform};
 pub use level::{Extracted, Level};
 pub use model::Model;
 pub use options::{LodOptions, Triangulation, VertexBuffer};

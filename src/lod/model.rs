@@ -41,6 +41,9 @@ pub trait Model<V: Vertex>: Any + Send + Sync {
     /// Returns [`Structure::vertex_ranks`].
     fn vertex_ranks(&self) -> Vec<VertexRank>;
 
+    /// Returns [`Structure::morph_targets`].
+    fn morph_targets(&self) -> &[u32];
+
     /// Returns [`Baked::memory`].
     fn memory(&self) -> usize;
 
@@ -99,6 +102,10 @@ impl<S: Structure, V: Vertex> Model<V> for Baked<S> {
 
     fn vertex_ranks(&self) -> Vec<VertexRank> {
         self.structure().vertex_ranks()
+    }
+
+    fn morph_targets(&self) -> &[u32] {
+        self.structure().morph_targets()
     }
 
     fn memory(&self) -> usize {

@@ -101,6 +101,11 @@ pub trait Structure: Sized + Send + Sync + 'static {
     /// Returns when every vertex comes into use, and the error of leaving it out: to colour or to send by. O(n).
     fn vertex_ranks(&self) -> Vec<VertexRank>;
 
+    /// Returns the target of each vertex in a vertex shader ([`Lod::morph`]); empty if the structure has none.
+    fn morph_targets(&self) -> &[u32] {
+        &[]
+    }
+
     /// Returns the vertices held by the structure itself; `None` if they lie beside it.
     fn own_vertices(&self) -> Option<&Mesh> {
         None
