@@ -64,6 +64,7 @@
 //! | [`wavelet`] | the [`WaveletMesh`]: fine where a view needs it, for subdivision meshes; textures stay in place |
 //! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
 //! | [`adapt`] | following a view: the cut, changed ranges |
+//! | [`control`] | a frame time, or a number of triangles, for a whole scene |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, rendering on the CPU (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | errors of input arrays |
@@ -98,6 +99,7 @@
 
 pub mod adapt;
 mod any_error;
+pub mod control;
 pub mod error;
 #[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
 pub mod guide;
