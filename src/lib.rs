@@ -71,7 +71,8 @@
 //! | [`prelude`] | names used by most programs; [`Error`], to which every error of the crate converts |
 //!
 //! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it gets
-//! stuck, the three structures, a frame of an engine, measuring. Reasons for the design are in `docs/architecture.md`, figures
+//! stuck, the three structures, many objects, a frame of an engine,
+//! measuring. Reasons for the design are in `docs/architecture.md`, figures
 //! in `docs/performance.md`.
 //!
 //! # Features

@@ -22,6 +22,10 @@ const ROUNDS: usize = 8;
 /// Most changes of one object taken in by a round.
 const CHANGES: usize = 64;
 
+/// Change of the bias within which changes of level are gathered first, and the factor by which it grows where they are too few.
+const WINDOW: f64 = 0.01;
+const WIDER: f64 = 8.0;
+
 /// Options of [`Bias`]. Defaults: 1,000,000 triangles within 5,000, a change of at most 0.01 a frame, also in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -199,6 +203,7 @@ impl Bias {
             Ordering::Greater => (Toward::Coarse, start + limit),
             _ => (Toward::Fine, start - limit),
         };
+        let mut window = WINDOW;
         for _ in 0..ROUNDS {
             if report.triangles.abs_diff(wanted) <= tolerance {
                 report.stop = BiasStop::Inside;
@@ -208,8 +213,18 @@ impl Bias {
                 report.stop = BiasStop::Coarse;
                 break;
             }
-            let more = self.gather(objects, toward, end);
-            let (to, stop) = self.choose(toward, report.triangles);
+            let (more, to, stop) = loop {
+                let within = match toward {
+                    Toward::Coarse => end.min(self.bias + window),
+                    Toward::Fine => end.max(self.bias - window),
+                };
+                let more = self.gather(objects, toward, within);
+                let (to, stop) = self.choose(toward, report.triangles);
+                if to.is_some() || !more || within == end {
+                    break (more, to, stop);
+                }
+                window *= WIDER;
+            };
             let (to, stop) = match to {
                 Some(to) => (to, stop),
                 None if more => (end, BiasStop::Limited),

@@ -17,13 +17,13 @@
 
 use super::error::{ControlError, check};
 use super::exact::{Exact, Problem};
-use super::ladder::LadderObject;
+use super::ladder::{LadderObject, Step};
 use super::selection::reach;
 
 /// Most steps, after the first that does not fit, that are tried for the rest of the triangles.
 const REST: usize = 512;
-/// The steps looked at first have slopes within this factor of the slope of the last frame.
-const WINDOW: f32 = 2.0;
+/// The steps looked at first have slopes within these factors of the slope of the last frame; then all steps.
+const WINDOWS: [f32; 2] = [1.2, 4.0];
 
 /// Options of [`Budget`]. Defaults: 1,000,000 triangles, hysteresis 0.05, gap 0.02, no tolerance, up to 64 objects split exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,9 +153,11 @@ pub struct Budget {
     options: BudgetOptions,
     /// Chosen rung of each object.
     rungs: Vec<u32>,
+    /// Rungs before a call, of a small scene.
+    before: Vec<u32>,
     /// Chosen level of each object.
     levels: Vec<u32>,
-    /// Steps that each object takes.
+    /// Steps that each object takes, hysteresis and rest included; where the search of the next call begins.
     taken: Vec<u32>,
     entries: Vec<Entry>,
     /// Error saved per triangle by the first step that did not fit; 0: all fitted.
@@ -173,6 +175,7 @@ impl Budget {
         Ok(Self {
             options,
             rungs: Vec::new(),
+            before: Vec::new(),
             levels: Vec::new(),
             taken: Vec::new(),
             entries: Vec::new(),
@@ -219,11 +222,16 @@ impl Budget {
         let base = objects.iter().fold(0_u64, |sum, object| sum + object.ladder.coarsest().1 as u64);
         let known = self.rungs.len() == objects.len();
         self.rungs.resize(objects.len(), 0);
-        self.taken.clear();
         self.taken.resize(objects.len(), 0);
+        if objects.len() <= self.options.exact {
+            self.before.clone_from(&self.rungs);
+        }
         match limit.checked_sub(base) {
             Some(room) => self.take(objects, room),
-            None => self.slope = f32::INFINITY,
+            None => {
+                self.taken.fill(0);
+                self.slope = f32::INFINITY;
+            }
         }
         let tolerance = self.options.tolerance_px;
         let [mut found, mut kept] = [Sum::default(); 2];
@@ -235,17 +243,19 @@ impl Budget {
             let before = (*rung).min(finest);
             kept.add(object, weight, before);
             found.add(object, weight, rung_after(object, taken));
-            least += lagrange(object, weight, self.slope, finest);
+            least += lagrange(object, weight, self.slope, finest, taken);
         }
         let keeps = known && kept.triangles <= limit && kept.error <= found.error;
         let bound = (least - f64::from(self.slope) * limit as f64).max(0.0);
         let bound = if base > limit { found.error } else { bound };
         let mut changed = 0;
         let sum = if keeps { kept } else { found };
+        self.levels.clear();
         for ((object, &taken), rung) in objects.iter().zip(&self.taken).zip(&mut self.rungs) {
             let before = *rung;
             *rung = if keeps { before.min(object.finest_rung(tolerance)) } else { rung_after(object, taken) };
             changed += usize::from(*rung != before);
+            self.levels.push(level(object, *rung));
         }
         let mut split = Split {
             triangles: usize::try_from(sum.triangles).unwrap_or(usize::MAX),
@@ -261,11 +271,6 @@ impl Budget {
         {
             self.improve(objects, &mut split);
         }
-        self.levels.clear();
-        let levels = objects.iter().zip(&self.rungs);
-        self.levels.extend(
-            levels.map(|(object, &rung)| object.ladder.rungs().get(rung as usize).map_or(0, |r| r.level)),
-        );
         split
     }
 
@@ -284,16 +289,18 @@ impl Budget {
         split.triangles = triangles as usize;
         split.error = error;
         split.bound = split.bound.min(error);
-        for (rung, &chosen) in self.rungs.iter_mut().zip(self.exact.rungs()) {
-            split.changed += usize::from(*rung != chosen);
-            *rung = chosen;
-        }
+        self.rungs.clear();
+        self.rungs.extend_from_slice(self.exact.rungs());
+        split.changed = self.rungs.iter().zip(&self.before).filter(|(rung, before)| rung != before).count();
+        self.levels.clear();
+        self.levels.extend(objects.iter().zip(&self.rungs).map(|(object, &rung)| level(object, rung)));
     }
 
     /// Sets how many steps each object takes: the best, within `room` triangles.
     fn take(&mut self, objects: &[LadderObject<'_>], room: u64) {
         let last = self.slope;
-        if last > 0.0 && last.is_finite() && self.take_within(objects, room, [last / WINDOW, last * WINDOW]) {
+        let known = last > 0.0 && last.is_finite();
+        if known && WINDOWS.iter().any(|&by| self.take_within(objects, room, [last / by, last * by])) {
             return;
         }
         self.take_within(objects, room, [0.0, f32::INFINITY]);
@@ -307,26 +314,32 @@ impl Budget {
         entries.clear();
         for (number, (object, &rung)) in objects.iter().zip(&*rungs).enumerate() {
             let (weight, scale) = (object.weight(), object.scale());
-            let mut first = 0;
-            if weight > 0.0 {
-                for (at, step) in object.ladder.steps().iter().enumerate() {
-                    if scale * step.error <= options.tolerance_px {
-                        break;
-                    }
-                    let key = weight * step.slope * if step.to <= rung { boost } else { 1.0 };
-                    if key > high {
-                        above += u64::from(step.triangles);
-                        first = at as u32 + 1;
-                    } else if key >= low {
-                        let (object, step, triangles) = (number as u32, at as u32, step.triangles);
-                        entries.push(Entry { key, object, step, triangles });
-                    } else {
-                        more = true;
-                        break;
-                    }
-                }
+            let (steps, levels) = (object.ladder.steps(), object.ladder.rungs());
+            let key = |step: &Step| weight * step.slope * if step.to <= rung { boost } else { 1.0 };
+            let needed = |step: &Step| scale * step.error > options.tolerance_px;
+            // Keys and errors fall from step to step. The place of the last call is mostly near.
+            let mut first = if weight > 0.0 { (taken[number] as usize).min(steps.len()) } else { 0 };
+            while first > 0 && !(needed(&steps[first - 1]) && key(&steps[first - 1]) > high) {
+                first -= 1;
             }
-            taken[number] = first;
+            let mut at = first;
+            while weight > 0.0 && at < steps.len() && needed(&steps[at]) {
+                let key = key(&steps[at]);
+                if key > high {
+                    first = at + 1;
+                } else if key >= low {
+                    let (object, step, triangles) = (number as u32, at as u32, steps[at].triangles);
+                    entries.push(Entry { key, object, step, triangles });
+                } else {
+                    more = true;
+                    break;
+                }
+                at += 1;
+            }
+            if let Some(last) = first.checked_sub(1) {
+                above += u64::from(levels[steps[last].to as usize].triangles - levels[0].triangles);
+            }
+            taken[number] = first as u32;
         }
         let Some(mut room) = room.checked_sub(above) else { return false };
         let order = |a: &Entry, b: &Entry| {
@@ -380,21 +393,28 @@ impl Sum {
     }
 }
 
+fn level(object: &LadderObject<'_>, rung: u32) -> u32 {
+    object.ladder.rungs().get(rung as usize).map_or(0, |rung| rung.level)
+}
+
 /// Returns the rung of the hull after a number of steps.
 fn rung_after(object: &LadderObject<'_>, steps: u32) -> u32 {
     (steps as usize).checked_sub(1).map_or(0, |last| object.ladder.steps()[last].to)
 }
 
-/// Returns the least `weight * error + slope * triangles` of the rungs up to `finest`.
-fn lagrange(object: &LadderObject<'_>, weight: f64, slope: f32, finest: u32) -> f64 {
-    let slope = f64::from(slope);
-    let Some(&rung) = object.ladder.rungs().first() else { return 0.0 };
-    let mut best = rung;
-    for step in object.ladder.steps() {
-        if step.to > finest || weight * f64::from(step.slope) <= slope {
-            break;
-        }
-        best = object.ladder.rungs()[step.to as usize];
+/// Returns the least `weight * error + slope * triangles` of the rungs up to `finest`. Begins after a number of steps: mostly the
+/// place of the least.
+fn lagrange(object: &LadderObject<'_>, weight: f64, slope: f32, finest: u32, begin: u32) -> f64 {
+    let (slope, ladder) = (f64::from(slope), object.ladder);
+    let steps = ladder.steps();
+    let saves = |at: usize| steps[at].to <= finest && weight * f64::from(steps[at].slope) > slope;
+    let mut count = (begin as usize).min(steps.len());
+    while count > 0 && !saves(count - 1) {
+        count -= 1;
     }
-    weight * f64::from(best.error) + slope * f64::from(best.triangles)
+    while count < steps.len() && saves(count) {
+        count += 1;
+    }
+    let rung = ladder.rungs().get(rung_after(object, count as u32) as usize);
+    rung.map_or(0.0, |rung| weight * f64::from(rung.error) + slope * f64::from(rung.triangles))
 }

@@ -190,6 +190,9 @@ impl<'a> LadderObject<'a> {
         if self.weight() <= 0.0 {
             return 0;
         }
+        if tolerance_px <= 0.0 {
+            return self.ladder.steps.last().map_or(0, |step| step.to);
+        }
         let scale = self.scale();
         let steps = self.ladder.steps.iter().take_while(|step| scale * step.error > tolerance_px);
         steps.last().map_or(0, |step| step.to)

@@ -22,23 +22,25 @@ const AIM: f64 = 0.965;
 const RISE: f32 = 1.01;
 /// Most growth of the triangles, from frame to frame, that is provided for.
 const GROWTH: f64 = 1.25;
+/// Pending operations, per triangle drawn, from which on the factor does not fall.
+const LAG: f64 = 0.1;
 /// Change of the triangles by which a scene counts as another, after the factor could not fall.
 const ANOTHER: f64 = 0.01;
 
-/// Options of [`SceneBudget`]. Defaults: 1,000,000 triangles, at most 3 further rounds a frame.
+/// Options of [`SceneBudget`]. Defaults: 1,000,000 triangles, at most 4 further rounds a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SceneOptions {
     /// Most triangles of all instances together. Default 1,000,000.
     pub triangles: usize,
     /// Most further rounds of adapting in a frame with too many triangles, before instances are drawn at their coarsest. A round
-    /// is quick: eye and objects have not moved. At least 1. Default 3.
+    /// is quick: eye and objects have not moved. At least 1. Default 4.
     pub rounds: usize,
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        Self { triangles: 1_000_000, rounds: 3 }
+        Self { triangles: 1_000_000, rounds: 4 }
     }
 }
 
@@ -85,21 +87,22 @@ impl<'a> SceneObject<'a> {
         self
     }
 
-    /// Adapts at a factor. Returns the triangles drawn.
-    fn adapt(&mut self, factor: f32, seconds: f32) -> usize {
+    /// Adapts at a factor. Returns the triangles drawn, and the operations pending.
+    fn adapt(&mut self, factor: f32, seconds: f32) -> [usize; 2] {
         let importance = self.importance;
         let importance = if importance > 0.0 && importance.is_finite() { importance } else { 1.0 };
         self.lod.set_tolerance_factor((1.0 + (factor - 1.0) / importance).min(f32::MAX));
-        self.lod.adapt(self.views, seconds).triangles
+        let change = self.lod.adapt(self.views, seconds);
+        [change.triangles, change.pending]
     }
 
-    /// Draws the level asked for, or without views the coarsest, at once. Returns the triangles drawn.
-    fn settle(&mut self, coarsest: bool) -> usize {
+    /// Draws the level asked for, or without views the coarsest, at once. Returns the triangles drawn; nothing is pending.
+    fn settle(&mut self, coarsest: bool) -> [usize; 2] {
         if coarsest {
             self.lod.adapt(&[], 0.0);
         }
         self.lod.settle();
-        (0..self.lod.groups()).map(|group| self.lod.triangles(group).len()).sum()
+        [(0..self.lod.groups()).map(|group| self.lod.triangles(group).len()).sum(), 0]
     }
 }
 
@@ -161,6 +164,8 @@ pub struct SceneBudget {
     growth: f64,
     /// Triangles drawn last; `None` before the first frame.
     drawn: Option<usize>,
+    /// Set if much of what the factor asks for is not drawn yet.
+    lags: bool,
     /// Triangles drawn when a lower factor was too low.
     rest: Option<usize>,
 }
@@ -172,7 +177,15 @@ impl SceneBudget {
     /// An option is out of its range.
     pub fn new(options: SceneOptions) -> Result<Self, ControlError> {
         options.check()?;
-        Ok(Self { options, factor: 1.0, scene: Estimate::new(0), growth: 1.0, drawn: None, rest: None })
+        Ok(Self {
+            options,
+            factor: 1.0,
+            scene: Estimate::new(0),
+            growth: 1.0,
+            drawn: None,
+            lags: false,
+            rest: None,
+        })
     }
 
     /// Returns the options.
@@ -199,7 +212,7 @@ impl SceneBudget {
         let aim = (AIM * limit as f64) as usize;
         let lowered = self.prepare(aim);
         let expected = self.scene.triangles_at(self.factor);
-        let mut total = pass(objects, |object| object.adapt(self.factor, seconds));
+        let [mut total, mut pending] = pass(objects, |object| object.adapt(self.factor, seconds));
         if self.drawn.is_some() && expected > 0.0 {
             self.growth = (total as f64 / expected).clamp(1.0 / GROWTH, GROWTH);
         }
@@ -207,27 +220,30 @@ impl SceneBudget {
         let mut rounds = 0;
         while total > limit && rounds < self.options.rounds {
             rounds += 1;
+            if pending > 0 {
+                // The factor is judged by all that it asks for.
+                [total, pending] = pass(objects, |object| object.settle(false));
+                self.scene.observe(self.factor, total);
+            }
             // The first rounds trust the estimate.
             let spare = aim as f64 * 0.9_f64.powi(rounds as i32 - 1);
             self.factor = self.scene.factor_for(spare as usize).max(self.factor * RISE).min(1e30);
-            total = pass(objects, |object| object.adapt(self.factor, 0.0));
+            [total, pending] = pass(objects, |object| object.adapt(self.factor, 0.0));
             if total > limit {
-                total = pass(objects, |object| object.settle(false));
+                [total, pending] = pass(objects, |object| object.settle(false));
             }
             self.scene.observe_again(self.factor, total);
         }
         let mut coarsest = 0;
         if total > limit {
-            total = 0;
-            for object in &mut *objects {
-                total = usize::saturating_add(total, object.settle(true));
-                coarsest += 1;
-            }
+            [total, pending] = pass(objects, |object| object.settle(true));
+            coarsest = objects.len();
         }
         if rounds > 0 {
             self.rest = lowered.then_some(total);
         }
         self.drawn = Some(total);
+        self.lags = pending as f64 > LAG * total as f64;
         SceneReport { triangles: total, factor: self.factor, rounds, coarsest, over_budget: total > limit }
     }
 
@@ -239,7 +255,7 @@ impl SceneBudget {
         let spare = (aim as f64 / self.growth.max(1.0)) as usize;
         if next > limit && drawn as f64 > ROOM * limit {
             self.factor = self.scene.factor_for(spare).clamp(self.factor, self.factor * 2.0);
-        } else if next < ROOM * limit && self.factor > 1.0 && another {
+        } else if next < ROOM * limit && self.factor > 1.0 && another && !self.lags {
             let factor = self.scene.factor_for(spare).min(self.factor);
             let fell = factor < self.factor;
             self.factor = factor.max(1.0);
@@ -250,7 +266,13 @@ impl SceneBudget {
     }
 }
 
-/// Sums the triangles over all instances.
-fn pass(objects: &mut [SceneObject<'_>], mut each: impl FnMut(&mut SceneObject<'_>) -> usize) -> usize {
-    objects.iter_mut().fold(0_usize, |sum, object| sum.saturating_add(each(object)))
+/// Sums two counts over all instances.
+fn pass(
+    objects: &mut [SceneObject<'_>],
+    mut each: impl FnMut(&mut SceneObject<'_>) -> [usize; 2],
+) -> [usize; 2] {
+    objects.iter_mut().fold([0; 2], |sums: [usize; 2], object| {
+        let counts = each(object);
+        [0, 1].map(|i| sums[i].saturating_add(counts[i]))
+    })
 }

@@ -16,7 +16,7 @@ use super::error::ControlError;
 /// section 6.2), with the triangles of each level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stairs {
-    begins: Vec<f32>,
+    begins: Vec<f64>,
     triangles: Vec<u32>,
 }
 
@@ -32,14 +32,16 @@ impl Stairs {
         }
         let mut stairs = Self::default();
         for (level, &(parameter, triangles)) in levels.iter().enumerate() {
-            if !parameter.is_finite() || stairs.begins.last().is_some_and(|&last| last >= parameter) {
+            if !parameter.is_finite()
+                || stairs.begins.last().is_some_and(|&last| last >= f64::from(parameter))
+            {
                 return Err(ControlError::Parameter { level, parameter });
             }
             let count = u32::try_from(triangles).map_err(|_| ControlError::TooLarge { level, triangles })?;
             if stairs.triangles.last().is_some_and(|&last| last <= count) {
                 return Err(ControlError::NotCoarser { level, triangles });
             }
-            stairs.begins.push(parameter);
+            stairs.begins.push(f64::from(parameter));
             stairs.triangles.push(count);
         }
         Ok(stairs)
@@ -57,7 +59,8 @@ impl Stairs {
 
     /// Returns the level drawn at a parameter. NaN gives the coarsest level.
     pub fn level(&self, parameter: f64) -> usize {
-        let begun = self.begins.iter().take_while(|&&begin| f64::from(begin) <= parameter).count();
+        // All are compared: no branch to be guessed.
+        let begun = self.begins.iter().filter(|&&begin| begin <= parameter).count();
         if parameter.is_nan() { self.len().saturating_sub(1) } else { begun.saturating_sub(1) }
     }
 
@@ -147,6 +150,9 @@ impl<'a> StairObject<'a> {
     }
 
     fn at(&self, bias: f64) -> f64 {
+        if self.importance == 1.0 {
+            return f64::from(self.parameter) + bias;
+        }
         let importance = self.weight();
         let bias = if bias > 0.0 { bias / importance } else { bias * importance };
         f64::from(self.parameter) + bias
@@ -157,13 +163,16 @@ impl<'a> StairObject<'a> {
         let importance = self.weight();
         let (parameter, way) = (f64::from(self.parameter), to - f64::from(self.parameter));
         let bias = if way > 0.0 { way * importance } else { way / importance };
-        let rounding =
-            f64::EPSILON * (parameter.abs() + to.abs() + bias.abs()) * importance.max(1.0 / importance);
-        let steps = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0].map(|step| step * rounding);
-        match toward {
-            Toward::Coarse => steps.iter().map(|step| bias + step).find(|&bias| self.at(bias) >= to),
-            Toward::Fine => steps.iter().map(|step| bias - step).find(|&bias| self.at(bias) < to),
+        let arrives = |bias: &f64| match toward {
+            Toward::Coarse => self.at(*bias) >= to,
+            Toward::Fine => self.at(*bias) < to,
+        };
+        if arrives(&bias) {
+            return Some(bias);
         }
+        let size = (parameter.abs() + to.abs() + bias.abs()) * importance.max(1.0 / importance);
+        let rounding = f64::EPSILON * if toward == Toward::Coarse { size } else { -size };
+        [1.0, 2.0, 4.0, 8.0, 16.0].map(|step| bias + step * rounding).into_iter().find(arrives)
     }
 }
 
@@ -181,7 +190,7 @@ impl Controllable for StairObject<'_> {
             Toward::Coarse => [level, level + 1],
             Toward::Fine => [level.checked_sub(1)?, level],
         };
-        let begin = f64::from(*self.stairs.begins.get(coarse)?);
+        let begin = *self.stairs.begins.get(coarse)?;
         let triangles = self.stairs.triangles(fine) - self.stairs.triangles(coarse);
         Some(Crossing { bias: self.bias_at(begin, toward)?, triangles })
     }
