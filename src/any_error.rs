@@ -1,5 +1,6 @@
 //! A single error type for the whole crate: every other error converts to it by `?`.
 
+use crate::control::ControlError;
 use crate::error::MeshError;
 use crate::gmesh::{GmeshError, PartitionError};
 use crate::hierarchy::HierarchyError;
@@ -49,6 +50,8 @@ pub enum Error {
     Lod(#[from] LodError),
     /// An error of a view.
     View(#[from] ViewError),
+    /// An error of a controller.
+    Control(#[from] ControlError),
     /// An error of a measurement.
     #[cfg(feature = "quality")]
     Quality(#[from] crate::quality::QualityError),

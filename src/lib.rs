@@ -65,13 +65,15 @@
 //! | [`wavelet`] | the [`WaveletMesh`]: fine where a view needs it, for subdivision meshes; textures stay in place |
 //! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
 //! | [`adapt`] | following a view: the cut, changed ranges |
+//! | [`control`] | a frame time, or a number of triangles, for a whole scene |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, rendering on the CPU (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | errors of input arrays |
 //! | [`prelude`] | names used by most programs; [`Error`], to which every error of the crate converts |
 //!
 //! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it gets
-//! stuck, the three structures, a frame of an engine, measuring. Reasons for the design are in `docs/architecture.md`, figures
+//! stuck, the three structures, many objects, a frame of an engine,
+//! measuring. Reasons for the design are in `docs/architecture.md`, figures
 //! in `docs/performance.md`.
 //!
 //! # Features
@@ -99,6 +101,7 @@
 
 pub mod adapt;
 mod any_error;
+pub mod control;
 pub mod error;
 pub mod gmesh;
 #[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
