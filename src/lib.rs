@@ -99,6 +99,7 @@
 pub mod adapt;
 mod any_error;
 pub mod error;
+mod geometry;
 #[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
 pub mod guide;
 pub mod hierarchy;

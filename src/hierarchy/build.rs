@@ -9,6 +9,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::geometry::lists::Lists;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE};
 use crate::simplify::collapse_forest::CollapseForest;
@@ -18,7 +19,7 @@ use super::bounds::bounds;
 use super::context::lonely_errors;
 use super::dependencies::dependency_lists;
 use super::stars::MOST_CORNERS;
-use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
+use super::{Dependencies, HierarchyError, VertexHierarchy};
 
 /// Maximum number of triangles: all may lie around a single vertex.
 pub(super) const MOST_TRIANGLES: usize = MOST_CORNERS;

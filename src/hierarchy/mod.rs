@@ -50,45 +50,9 @@ pub use parts::HierarchyParts;
 pub use surface::CutSurface;
 
 use crate::adapt::{Cut, Refinements};
+use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
-
-/// Lists in a single array: entries of list `i` are `items[start[i]..start[i + 1]]`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Lists {
-    start: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Lists {
-    /// Creates lists from pairs of list and item. Keeps the order of items in a list. Pairs must be in range.
-    fn from_pairs(lists: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
-        let mut start = vec![0_u32; lists + 1];
-        pairs.clone().for_each(|(list, _)| start[list as usize + 1] += 1);
-        for i in 1..start.len() {
-            start[i] += start[i - 1];
-        }
-        let mut items = vec![0; start[lists] as usize];
-        let mut next = start.clone();
-        for (list, item) in pairs {
-            items[next[list as usize] as usize] = item;
-            next[list as usize] += 1;
-        }
-        Self { start, items }
-    }
-
-    #[inline]
-    fn get(&self, list: u32) -> &[u32] {
-        match self.start.get(list as usize..list as usize + 2) {
-            Some(ends) => &self.items[ends[0] as usize..ends[1] as usize],
-            None => &[],
-        }
-    }
-
-    fn memory(&self) -> usize {
-        size_of_val(&self.start[..]) + size_of_val(&self.items[..])
-    }
-}
 
 /// A forest of vertices for view-dependent refinement: immutable, shared by all instances.
 ///

@@ -1,9 +1,10 @@
 //! Plain arrays of a vertex hierarchy, in and out. Arrays derivable from others are left out.
 
+use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
 
-use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
+use super::{Dependencies, HierarchyError, VertexHierarchy};
 
 /// The arrays of a [`VertexHierarchy`], for custom file formats.
 ///

@@ -21,7 +21,6 @@ mod adjacency;
 mod attribute;
 mod blend;
 mod creases;
-pub(crate) mod crossing;
 mod edges;
 mod gather;
 mod midpoints;
@@ -49,13 +48,12 @@ pub(crate) use gather::Used;
 use glam::Vec3A;
 
 use crate::error::MeshError;
+use crate::geometry::boxes;
+pub(crate) use crate::geometry::lists::NONE;
 
 /// Maximum number of vertices, and of triangles, of a [`Mesh`]: 2^30. The number of a corner (3 per triangle), and a
 /// vertex index with a flag bit, then fit 32 bits.
 pub const MAX_ELEMENTS: usize = 1 << 30;
-
-/// Marks "none" in every index array of this crate.
-pub(crate) const NONE: u32 = u32::MAX;
 
 /// An indexed triangle mesh: positions, triangles, and optional attribute streams, materials and locks.
 ///
@@ -279,18 +277,14 @@ impl Mesh {
 
     /// Returns the bounding box of `vertices`, which must all exist; `None` if there are none.
     pub(crate) fn box_of(&self, vertices: &[u32]) -> Option<[[f32; 3]; 2]> {
-        let mut used = vertices.iter().map(|&v| Vec3A::from(self.positions[v as usize]));
-        let first = used.next()?;
-        let (low, high) = used.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
-        Some([low.into(), high.into()])
+        let used = vertices.iter().map(|&v| Vec3A::from(self.positions[v as usize]));
+        boxes::around_any(used).map(|corners| corners.map(Into::into))
     }
 
     /// Length of the diagonal of [`Mesh::bounds`] in object units; 0 without triangles. Double precision: finite for
     /// every finite box.
     pub fn diagonal(&self) -> f64 {
-        self.bounds().map_or(0.0, |[low, high]| {
-            (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt()
-        })
+        self.bounds().map_or(0.0, boxes::diagonal)
     }
 
     /// Bytes held by this mesh's arrays: positions, triangles, attributes, materials and locks.

@@ -12,7 +12,8 @@
 
 use glam::Vec3;
 
-use crate::mesh::{NONE, crossing::triangles_cross};
+use crate::geometry::{boxes, crossing::triangles_cross};
+use crate::mesh::NONE;
 
 use super::oracle::{Collapse, Oracle};
 use super::patch::Facet;
@@ -74,10 +75,7 @@ impl SelfIntersection {
             items.iter().for_each(|&(_, t)| self.leaf_of[t as usize] = (node - leaves) as u32);
             return;
         }
-        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] = items.iter().fold(start, |[low, high], &(p, _)| [low.min(p), high.max(p)]);
-        let sides = high - low;
-        let axis = if sides.x >= sides.y.max(sides.z) { 0 } else { 1 + usize::from(sides.z > sides.y) };
+        let axis = boxes::longest_side(boxes::around(items.iter().map(|&(p, _)| p)));
         let half = items.len() / 2;
         if half > 0 {
             items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));

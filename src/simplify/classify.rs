@@ -3,6 +3,7 @@
 //! A point is classified by walking over its star: at the start, and again where parts were joined or a feature moved.
 //! An edge is classified when asked about, from the end with fewer triangles.
 
+use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
 
 use super::sheets::{LayerEdge, edge_between};
@@ -193,19 +194,11 @@ impl WorkingSurface {
             ends.extend(corner.others.map(|o| (o, i as u32)));
         }
         ends.sort_unstable();
-        let mut parent: Vec<u32> = (0..self.valence(point) as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
+        let mut fans = Sets::new(self.valence(point));
         for pair in ends.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
-            parent[a.max(b) as usize] = a.min(b);
+            fans.join(pair[0].1, pair[1].1);
         }
-        (0..parent.len() as u32).filter(|&i| root(&mut parent, i) == 0).count()
+        (0..fans.len() as u32).filter(|&i| fans.find(i) == 0).count()
     }
 
     /// Returns the kind of the edge between two points, as `kind` bits: 0 for an ordinary edge, `None` where there is

@@ -15,6 +15,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
 
 use super::classify::kind;
@@ -298,17 +299,9 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     }
     without_loose_ends(surface, &mut found);
     // Connected pieces, by union of their points.
-    let mut piece: Vec<u32> = (0..surface.point_count() as u32).collect();
-    fn root(piece: &mut [u32], mut point: u32) -> u32 {
-        while piece[point as usize] != point {
-            piece[point as usize] = piece[piece[point as usize] as usize];
-            point = piece[point as usize];
-        }
-        point
-    }
+    let mut pieces = Sets::new(surface.point_count());
     for &[u, v] in &found {
-        let [u, v] = [u, v].map(|p| root(&mut piece, p));
-        piece[u.max(v) as usize] = u.min(v);
+        pieces.join(u, v);
     }
     let mut counts = vec![0u64; surface.point_count()];
     bending.resize(surface.point_count(), (0.0, 0.0));
@@ -316,14 +309,14 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     points.sort_unstable();
     points.dedup();
     for &[u, _] in &found {
-        counts[root(&mut piece, u) as usize] += 1;
+        counts[pieces.find(u) as usize] += 1;
     }
     for &point in &points {
         // A line ending at a border or another feature goes on there.
         if surface.kind(point) & kind::FEATURE != 0 {
-            counts[root(&mut piece, point) as usize] += HELD;
+            counts[pieces.find(point) as usize] += HELD;
         }
-        let sum = &mut bending[root(&mut piece, point) as usize];
+        let sum = &mut bending[pieces.find(point) as usize];
         bends.for_each(
             point,
             &mut around,
@@ -340,7 +333,7 @@ fn creases(surface: &WorkingSurface) -> Vec<[u32; 2]> {
     }
     let least = LEAST_CREASES.min(surface.live_points().isqrt() as u64);
     found.retain(|&[u, _]| {
-        let root = root(&mut piece, u) as usize;
+        let root = pieces.find(u) as usize;
         let (own, all) = bending[root];
         let held = counts[root] >= 2 * HELD;
         counts[root] >= least && own >= if held { LEAST_HELD_SHARE } else { LEAST_SHARE } * all

@@ -25,6 +25,7 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
+use crate::geometry::parallel;
 use crate::mesh::{Mesh, NONE, Tolerances, Topology, border_twins, rounding};
 
 use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
@@ -381,15 +382,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
         let of = |point: usize| {
             if self.state[point] & state::GONE != 0 { NO_BEST } else { self.candidate(point as u32) }
         };
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            (0..self.best.len()).into_par_iter().with_min_len(1024).map(of).collect()
-        }
-        #[cfg(not(feature = "parallel"))]
-        {
-            (0..self.best.len()).map(of).collect()
-        }
+        parallel::map(self.best.len(), 1024, of)
     }
 
     /// Serves the queue until it is empty (`None`) or there is a reason to stop.

@@ -10,10 +10,15 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::{
+    lanes::Lanes,
+    lists::prefix_sum,
+    parallel,
+    sectors::{Sectors, least},
+    sets::Sets,
+    triangle::{nearest_weights, weights_below},
+};
 use crate::mesh::{Mesh, NONE, Topology};
-
-use super::lanes::Lanes;
-use super::sectors::{Sectors, least};
 
 /// Rounds of searching around the nearest triangle so far.
 const ROUNDS: usize = 4;
@@ -40,16 +45,7 @@ pub(super) fn places(mesh: &Mesh, level: &Mesh, number: &[u32]) -> Vec<Place> {
         let middle = middle(mesh, corners);
         stars.place(middle, corners.map(|v| number[v as usize]))
     };
-    let count = mesh.triangles().len();
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        (0..count).into_par_iter().with_min_len(1024).map(one).collect()
-    }
-    #[cfg(not(feature = "parallel"))]
-    {
-        (0..count).map(one).collect()
-    }
+    parallel::map(mesh.triangles().len(), 1024, one)
 }
 
 /// Removes the places of triangles whose part differs from the level's part there: vanished parts, replaced by another
@@ -68,22 +64,13 @@ pub(super) fn keep_parts_apart(mesh: &Mesh, origin: &[u32], places: &mut [Place]
 pub(super) fn parts(mesh: &Mesh) -> Vec<u32> {
     let topology = Topology::new(mesh);
     let point_of = topology.point_of();
-    let mut parent: Vec<u32> = (0..topology.point_count() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
+    let mut parts = Sets::new(topology.point_count());
     for corners in mesh.triangles() {
         let [a, b, c] = corners.map(|v| point_of[v as usize]);
-        for (from, to) in [(a, b), (b, c)] {
-            let (from, to) = (root(&mut parent, from), root(&mut parent, to));
-            parent[from.max(to) as usize] = from.min(to);
-        }
+        parts.join(a, b);
+        parts.join(b, c);
     }
-    point_of.iter().map(|&point| root(&mut parent, point)).collect()
+    point_of.iter().map(|&point| parts.find(point)).collect()
 }
 
 pub(super) fn at(mesh: &Mesh, vertex: u32) -> DVec3 {
@@ -111,9 +98,7 @@ impl<'a> LevelStars<'a> {
     fn new(level: &'a Mesh) -> Self {
         let mut start = vec![0u32; level.positions().len() + 1];
         level.indices().iter().for_each(|&v| start[v as usize + 1] += 1);
-        for v in 1..start.len() {
-            start[v] += start[v - 1];
-        }
+        prefix_sum(&mut start);
         let mut next = start.clone();
         let mut around = vec![(0, [0; 2]); level.indices().len()];
         for (t, &[a, b, c]) in level.triangles().iter().enumerate() {
@@ -169,7 +154,7 @@ impl<'a> LevelStars<'a> {
             }
         }
         if best.1 != NONE {
-            if let Some((weights, height)) = inside(point, ends(best.1)) {
+            if let Some((weights, height)) = weights_below(&ends(best.1), point) {
                 if height < CLOSE {
                     return placed(best.1, weights);
                 }
@@ -196,71 +181,7 @@ impl<'a> LevelStars<'a> {
         }
         match best.1 {
             NONE => placed(NONE, [0.0; 3]),
-            triangle => placed(triangle, nearest(point, ends(triangle)).0),
-        }
-    }
-}
-
-/// Returns the weights of the point of a triangle below `p`, and the squared height of `p` over the squared length of
-/// the triangle's longest side; `None` where `p` does not lie over the triangle.
-#[inline]
-fn inside(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64)> {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(ac);
-    let square = normal.length_squared();
-    let (v, w) = (ap.cross(ac).dot(normal), ab.cross(ap).dot(normal));
-    if v < 0.0 || w < 0.0 || v + w > square || square <= 0.0 {
-        return None;
-    }
-    let (v, w) = (v / square, w / square);
-    let longest = ab.length_squared().max(ac.length_squared()).max((c - b).length_squared());
-    Some(([1.0 - v - w, v, w], ap.dot(normal).powi(2) / (square * longest)))
-}
-
-/// Returns the weights of the point of a triangle nearest to `p`, and its squared distance.
-fn nearest(p: DVec3, [a, b, c]: [DVec3; 3]) -> ([f64; 3], f64) {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(ac);
-    let square = normal.length_squared();
-    let (v, w) = (ap.cross(ac).dot(normal) / square, ab.cross(ap).dot(normal) / square);
-    if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
-        return ([1.0 - v - w, v, w], ap.dot(normal).powi(2) / square);
-    }
-    let along = |from: DVec3, to: DVec3| {
-        let edge = to - from;
-        let share = ((p - from).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (share, (from + edge * share).distance_squared(p))
-    };
-    let [(x, first), (y, second), (z, third)] = [along(a, b), along(b, c), along(c, a)];
-    if first <= second && first <= third {
-        ([1.0 - x, x, 0.0], first)
-    } else if second <= third {
-        ([0.0, 1.0 - y, y], second)
-    } else {
-        ([z, 0.0, 1.0 - z], third)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_point_is_no_farther_than_any_other() {
-        let [a, b, c] = [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.5, 1.0, 0.0)];
-        for i in 0..1000u32 {
-            let random =
-                |k: u32| f64::from(i.wrapping_mul(2_654_435_761).wrapping_add(k * 977) % 1000) / 200.0 - 2.0;
-            let p = DVec3::new(random(1), random(2), random(3));
-            let (w, distance) = nearest(p, [a, b, c]);
-            let point = a * w[0] + b * w[1] + c * w[2];
-            assert!((point.distance_squared(p) - distance).abs() < 1e-9 && w.iter().all(|w| *w >= 0.0));
-            for j in 0..=10 {
-                for k in 0..=10 - j {
-                    let (v, u) = (f64::from(j) / 10.0, f64::from(k) / 10.0);
-                    assert!((a + (b - a) * v + (c - a) * u).distance_squared(p) >= distance - 1e-9);
-                }
-            }
+            triangle => placed(triangle, nearest_weights(&ends(triangle), point).0),
         }
     }
 }

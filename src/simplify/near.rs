@@ -11,6 +11,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::boxes::{self, Place};
 use crate::mesh::NONE;
 
 /// Points in a leaf, at most.
@@ -40,7 +41,7 @@ impl Near {
             points: Vec::new(),
             start: vec![0; leaves + 1],
             leaf_of: vec![NONE; count],
-            boxes: vec![[Vec3::INFINITY, Vec3::NEG_INFINITY]; 2 * leaves],
+            boxes: vec![<Vec3 as Place>::EMPTY; 2 * leaves],
             live: vec![0; 2 * leaves],
             part: vec![NONE; 2 * leaves],
             stack: Vec::new(),
@@ -53,9 +54,7 @@ impl Near {
 
     /// Arranges the points of a node, which start at index `first` of the tree, and fills the node.
     fn split(&mut self, points: &mut [(Vec3, u32)], first: usize, node: usize, part: &impl Fn(u32) -> u32) {
-        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] = points.iter().fold(start, |[low, high], &(p, _)| [low.min(p), high.max(p)]);
-        self.boxes[node] = [low, high];
+        self.boxes[node] = boxes::around(points.iter().map(|&(p, _)| p));
         self.live[node] = points.len() as u32;
         let leaves = self.start.len() - 1;
         if node >= leaves {
@@ -66,8 +65,7 @@ impl Near {
             self.part[node] = if points.iter().all(|&(_, p)| part(p) == of) { of } else { NONE };
             return;
         }
-        let sides = high - low;
-        let axis = if sides.x >= sides.y.max(sides.z) { 0 } else { 1 + usize::from(sides.z > sides.y) };
+        let axis = boxes::longest_side(self.boxes[node]);
         let half = points.len() / 2;
         if half > 0 {
             points.select_nth_unstable_by_key(half, |&(p, point)| key(p[axis], point));

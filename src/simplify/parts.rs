@@ -12,6 +12,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::{lists::Lists, sets::Sets};
 use crate::mesh::NONE;
 
 use super::metric::Pair;
@@ -137,19 +138,9 @@ impl Parts {
         for shape in &mut shapes {
             shape.centre /= shape.area;
         }
-        let mut start = vec![0u32; count + 1];
-        for &part in first.iter().filter(|&&part| part != NONE) {
-            start[part as usize + 1] += 1;
-        }
-        for part in 0..count {
-            start[part + 1] += start[part];
-        }
-        let mut list = vec![0; start[count] as usize];
-        let mut fill = start.clone();
-        for (point, &part) in first.iter().enumerate().filter(|&(_, &part)| part != NONE) {
-            list[fill[part as usize] as usize] = point as u32;
-            fill[part as usize] += 1;
-        }
+        let points_of =
+            (0..).zip(&first).filter(|&(_, &part)| part != NONE).map(|(point, &part)| (part, point));
+        let Lists { start, items: list } = Lists::from_pairs(count, points_of);
         for part in 0..count {
             // Without an area: the mean of the part's points.
             let points = &list[start[part] as usize..start[part + 1] as usize];
@@ -398,39 +389,25 @@ fn root(joined: &[u32], mut part: u32) -> u32 {
 
 /// Returns the part of every point, numbered by first point, and the number of parts; `None` for fewer than two parts.
 fn components(surface: &WorkingSurface) -> Option<(Vec<u32>, usize)> {
-    let mut parent: Vec<u32> = (0..surface.point_count() as u32).collect();
-    fn find(parent: &mut [u32], mut point: u32) -> u32 {
-        while parent[point as usize] != point {
-            let above = parent[parent[point as usize] as usize];
-            parent[point as usize] = above;
-            point = above;
-        }
-        point
-    }
+    let mut sets = Sets::new(surface.point_count());
     let mut parts = surface.live_points();
     for triangle in 0..surface.triangle_count() as u32 {
         let Some([a, b, c]) = surface.triangle(triangle) else { continue };
-        let mut x = find(&mut parent, a);
         for other in [b, c] {
-            let y = find(&mut parent, other);
-            if x != y {
-                parent[x.max(y) as usize] = x.min(y);
-                x = x.min(y);
-                parts -= 1;
-            }
+            parts -= usize::from(sets.join(a, other));
         }
     }
     if parts < 2 {
         return None;
     }
-    let mut part = vec![NONE; parent.len()];
+    let mut part = vec![NONE; sets.len()];
     let mut count = 0;
-    for point in 0..parent.len() as u32 {
+    for point in 0..sets.len() as u32 {
         if surface.valence(point) == 0 {
             continue;
         }
         // The lowest point of a part is its root.
-        let root = find(&mut parent, point);
+        let root = sets.find(point);
         if root == point {
             part[point as usize] = count;
             count += 1;

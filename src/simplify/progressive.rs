@@ -18,6 +18,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Mesh, NONE};
 
 use super::collapse_forest::CollapseForest;
@@ -279,9 +280,7 @@ impl ProgressiveMesh {
                 return Err(SequenceError::TooMany { limit: u32::MAX as usize });
             }
         }
-        for i in 1..count.len() {
-            count[i] += count[i - 1];
-        }
+        prefix_sum(&mut count);
         let mut next = count.clone();
         self.corners = vec![0; total as usize];
         for (place, &t) in self.triangle_order.iter().enumerate() {

@@ -11,6 +11,7 @@
 //! edge, such a mesh is manifold nowhere. As sheets it is an ordinary surface: oracles, metrics and errors see each
 //! leader once. Edges are compared layer by layer, front with front and back with back.
 
+use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Edges, NONE};
 
 use super::classify::kind;
@@ -113,9 +114,7 @@ impl Sheets {
         for &[first, _, last] in &spans {
             sheets.start[ordered[first] as usize + 1] = (last - first - 1) as u32;
         }
-        for i in 0..triangles.len() {
-            sheets.start[i + 1] += sheets.start[i];
-        }
+        prefix_sum(&mut sheets.start);
         let count = sheets.start[triangles.len()] as usize;
         sheets.followers.resize(count, NONE);
         sheets.layers.resize(count, Layer::default());

@@ -13,6 +13,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::rounding;
 use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{SeenNeighbour, kind};
@@ -56,9 +57,7 @@ impl Frame {
 
     /// Converts a length to object units, rounded up.
     pub fn object_length(&self, inner: f32) -> f32 {
-        let exact = f64::from(inner) / self.scale;
-        let rounded = exact.min(f64::from(f32::MAX)) as f32;
-        if f64::from(rounded) < exact { rounded.next_up().min(f32::MAX) } else { rounded }
+        rounding::up(f64::from(inner) / self.scale)
     }
 
     /// Inner units per object unit.

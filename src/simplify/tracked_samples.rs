@@ -14,13 +14,12 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::geometry::{lanes::Lanes, sectors::Sectors};
 use crate::mesh::NONE;
 
 use super::angles::Angles;
-use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
-use super::sectors::Sectors;
 use super::surface::WorkingSurface;
 
 /// Tracks the triangle under each merged point.

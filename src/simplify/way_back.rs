@@ -17,12 +17,14 @@
 
 use glam::Vec3;
 
+use crate::geometry::{
+    lanes::Lanes,
+    sectors::{Sectors, least},
+};
 use crate::mesh::NONE;
 
-use super::lanes::Lanes;
 use super::metric::Pair;
 use super::patch::{Facet, Patch};
-use super::sectors::{Sectors, least};
 use super::surface::WorkingSurface;
 
 /// Points with more triangles are not searched around.

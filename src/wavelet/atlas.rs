@@ -17,6 +17,7 @@
 
 use glam::DVec3;
 
+use crate::geometry::parallel;
 use crate::mesh::NONE;
 
 use super::domain::DomainPoint;
@@ -298,13 +299,7 @@ impl Atlas {
             }
         };
         if width > 0 {
-            #[cfg(feature = "parallel")]
-            {
-                use rayon::prelude::*;
-                texels.par_chunks_mut(width).enumerate().for_each(fill);
-            }
-            #[cfg(not(feature = "parallel"))]
-            texels.chunks_mut(width).enumerate().for_each(fill);
+            parallel::fill_chunks(&mut texels, width, fill);
         }
         Ok(texels)
     }

@@ -22,6 +22,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
+use crate::geometry::{parallel, rounding};
 use crate::lod::Progress;
 use crate::mesh::NONE;
 use crate::view::{DeviationBounds, ErrorShape, angle_between};
@@ -203,7 +204,7 @@ impl<'a> Grounds<'a> {
                 _ => f64::INFINITY,
             };
         }
-        let radius = above(radius * (1.0 + ROOM) + self.room + middle.abs().max_element() * 1e-12);
+        let radius = rounding::up(radius * (1.0 + ROOM) + self.room + middle.abs().max_element() * 1e-12);
         let mut bounds = DeviationBounds::new(centre, radius, shape)
             .with_cone(axis.unwrap_or(DVec3::ZERO).to_array(), wide + WIDER);
 
@@ -253,13 +254,7 @@ pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<W
             let find = |(at, packed): (usize, &mut WaveletBounds)| {
                 *packed = grounds.bounds(first + at as u32, at_finer);
             };
-            #[cfg(feature = "parallel")]
-            {
-                use rayon::prelude::*;
-                chunk.par_iter_mut().enumerate().for_each(find);
-            }
-            #[cfg(not(feature = "parallel"))]
-            chunk.iter_mut().enumerate().for_each(find);
+            parallel::fill(chunk, find);
             done += chunk.len();
             if progress(done as f32 / of.wavelet_count() as f32).is_break() {
                 return None;
@@ -295,13 +290,7 @@ pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
         let level = of.wavelets_of(of.level_of(wavelets[end - 1]));
         let start = wavelets[..end].partition_point(|&wavelet| wavelet < level.start);
         let find = |&wavelet: &u32| grounds.bounds(wavelet, |finer| all[finer as usize]);
-        #[cfg(feature = "parallel")]
-        let found: Vec<WaveletBounds> = {
-            use rayon::prelude::*;
-            wavelets[start..end].par_iter().map(find).collect()
-        };
-        #[cfg(not(feature = "parallel"))]
-        let found: Vec<WaveletBounds> = wavelets[start..end].iter().map(find).collect();
+        let found = parallel::map_items(&wavelets[start..end], find);
         for (&wavelet, packed) in wavelets[start..end].iter().zip(found) {
             all[wavelet as usize] = packed;
         }
@@ -354,10 +343,4 @@ fn wavelets_over(of: &Subdivision, mut faces: Vec<u32>, siblings: bool) -> Vec<u
     wavelets.sort_unstable();
     wavelets.dedup();
     wavelets
-}
-
-/// Returns the least single precision number not below `x`.
-fn above(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }.min(f32::MAX)
 }

@@ -10,7 +10,7 @@ use super::lanes::Lanes;
 /// A point `p` lies between the sides along `a` and `b` where `p . side_a >= 0` and `p . side_b >= 0`. It lies over the
 /// triangle where also `p . side_ab + reach >= 0`. Its squared distance is then `(p . normal)^2 * inverse_area`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sectors {
+pub(crate) struct Sectors {
     a: Lanes,
     b: Lanes,
     normal: Lanes,
@@ -61,7 +61,7 @@ impl Sectors {
 
 /// Returns the least of four distances, and its lane.
 #[inline]
-pub(super) fn least(distances: Vec4) -> (f32, usize) {
+pub(crate) fn least(distances: Vec4) -> (f32, usize) {
     let least = distances.min_element();
     let lane = distances.cmpeq(Vec4::splat(least)).bitmask().trailing_zeros();
     (least, lane as usize & 3)

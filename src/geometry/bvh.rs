@@ -1,7 +1,7 @@
-//! The surface of a mesh in a bounding volume hierarchy: nearest point, and first hit along a ray.
+//! Triangles in a bounding volume hierarchy: nearest point, and first hit along a ray.
 //!
 //! ```text
-//!   mesh --drop degenerate--> --sort by hash of the box--> --one primitive per box--> locally ordered clustering
+//!   triangles --drop degenerate--> --sort by hash of the box--> --one primitive per box--> locally ordered clustering
 //! ```
 //!
 //! [`obvhs`] builds the tree (Meister and Bittner, "Parallel Locally-Ordered Clustering", TVCG 2018): mutually nearest
@@ -10,7 +10,7 @@
 //! remaining boxes, so no order of the input can cause such a chain.
 //!
 //! Boxes are single precision in their own frame (centred, scaled by a power of two to lie in -1..1). Triangles are
-//! tested in double precision in object units: answers are exact to rounding for a mesh of any position and size.
+//! tested in double precision in object units: answers are exact to rounding for any position and size.
 //! Rounding of the boxes only widens the search.
 
 use glam::{DVec3, Vec3A};
@@ -21,10 +21,9 @@ use obvhs::{
     ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
 };
 
-use crate::mesh::{Mesh, NONE};
-
 use super::{
-    hash,
+    boxes, hash,
+    lists::NONE,
     triangle::{Corners, closest_on_triangle, has_area, hit_triangle},
 };
 
@@ -35,7 +34,7 @@ const BOX_MARGIN: f32 = 1.0 / (1 << 20) as f32;
 /// nearest to the moved query is nearest to the original query to within that share of the distance.
 const FAR: f64 = (1 << 12) as f64;
 
-/// The surface of a mesh: its triangles with an area, coincident triangles once.
+/// A surface: triangles with an area, coincident triangles once.
 ///
 /// Triangles are renumbered into *slots* in the order of the tree's leaves: slots near in number are near in space. 40
 /// bytes a slot and at most 96 for the nodes. Built in O(n log n).
@@ -86,16 +85,16 @@ impl Boundable for PrimitiveBox {
 }
 
 impl Bvh {
-    /// Builds the hierarchy of a mesh; `None` if no triangle has an area.
-    pub(crate) fn new(mesh: &Mesh) -> Option<Self> {
-        let kept: Vec<u32> =
-            (0..mesh.triangles().len() as u32).filter(|&t| has_area(&corners_of(mesh, t))).collect();
-        let frame = Frame::around(kept.iter().flat_map(|&t| corners_of(mesh, t)))?;
-        let boxes: Vec<Aabb> = kept.iter().map(|&t| frame.bounds(&corners_of(mesh, t))).collect();
+    /// Builds the hierarchy of triangles, whose vertices must all exist; `None` if no triangle has an area.
+    pub(crate) fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
+        let mesh = Triangles { positions, triangles };
+        let kept: Vec<u32> = (0..triangles.len() as u32).filter(|&t| has_area(&mesh.corners(t))).collect();
+        let frame = Frame::around(kept.iter().flat_map(|&t| mesh.corners(t)))?;
+        let boxes: Vec<Aabb> = kept.iter().map(|&t| frame.bounds(&mesh.corners(t))).collect();
 
         // For each primitive its run of `order`. Equal boxes share a primitive; only the first of coincident triangles
         // is kept.
-        let (order, runs) = group_by_box(mesh, &kept, &boxes);
+        let (order, runs) = group_by_box(&mesh, &kept, &boxes);
         let primitives: Vec<PrimitiveBox> = runs
             .windows(2)
             .map(|run| {
@@ -115,7 +114,7 @@ impl Bvh {
             1,
         );
         collapse(&mut tree, 4, 1.0);
-        Some(Self::with_leaf_order(mesh, tree, frame, &|primitive| {
+        Some(Self::with_leaf_order(&mesh, tree, frame, &|primitive| {
             let run = runs[primitive as usize] as usize..runs[primitive as usize + 1] as usize;
             order[run].iter().map(|&item| kept[item as usize])
         }))
@@ -123,7 +122,7 @@ impl Bvh {
 
     /// Stores the triangles in the order of the leaves, and points the leaves at them.
     fn with_leaf_order<I: Iterator<Item = u32>>(
-        mesh: &Mesh,
+        mesh: &Triangles<'_>,
         tree: Bvh2,
         frame: Frame,
         triangles_of_primitive: &impl Fn(u32) -> I,
@@ -147,10 +146,7 @@ impl Bvh {
                 stack.extend([node.first_index + 1, node.first_index]);
             }
         }
-        let corners = triangle_of
-            .iter()
-            .map(|&t| mesh.triangles()[t as usize].map(|v| mesh.positions()[v as usize]))
-            .collect();
+        let corners = triangle_of.iter().map(|&t| mesh.exact_corners(t)).collect();
         Self { nodes, corners, triangle_of, frame }
     }
 
@@ -175,7 +171,7 @@ impl Bvh {
         self.corners[slot as usize].map(wide)
     }
 
-    /// Returns the mesh triangle of each slot.
+    /// Returns the given triangle of each slot.
     pub(crate) fn triangle_of(&self) -> &[u32] {
         &self.triangle_of
     }
@@ -341,7 +337,7 @@ impl Walker<'_> {
         // Frame distance from `start` is t * per_t - skipped.
         let per_t = direction.length() * bvh.frame.scale;
 
-        // On an edge shared by two triangles, the mesh's first triangle wins, for any shape of the tree.
+        // On an edge shared by two triangles, the first triangle given wins, for any shape of the tree.
         let before = |a: u32, b: u32| bvh.triangle_of[a as usize] < bvh.triangle_of[b as usize];
         let mut best: Option<RayHit> = None;
         let in_frame = |t: f64| (t * per_t - skipped) as f32 + 4.0 * BOX_MARGIN;
@@ -404,8 +400,7 @@ impl Bvh {
 impl Frame {
     /// Returns the frame in which the points lie in -1..1; `None` without points or if all coincide.
     fn around(points: impl Iterator<Item = DVec3>) -> Option<Self> {
-        let (low, high) =
-            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let [low, high] = boxes::around(points);
         let half = (high - low).max_element() * 0.5;
         if !(half.is_finite() && half > 0.0) {
             return None;
@@ -432,21 +427,33 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from_array(p.map(f64::from))
 }
 
-fn corners_of(mesh: &Mesh, triangle: u32) -> Corners {
-    mesh.triangles()[triangle as usize].map(|v| wide(mesh.positions()[v as usize]))
+/// The triangles as given.
+struct Triangles<'a> {
+    positions: &'a [[f32; 3]],
+    triangles: &'a [[u32; 3]],
+}
+
+impl Triangles<'_> {
+    fn exact_corners(&self, triangle: u32) -> [[f32; 3]; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    fn corners(&self, triangle: u32) -> Corners {
+        self.exact_corners(triangle).map(wide)
+    }
 }
 
 /// Returns the items of `kept` sorted by a hash of their box, coincident triangles once, and the start of each run of
 /// equal boxes (plus the end of the last run). Boxes whose hashes collide share a run: slower, but correct.
-fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32>) {
+fn group_by_box(mesh: &Triangles<'_>, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32>) {
     let word = |x: f32| u64::from((x + 0.0).to_bits());
-    let corner_hash = |v: u32| hash::words(mesh.positions()[v as usize].map(word));
+    let corner_hash = |v: u32| hash::words(mesh.positions[v as usize].map(word));
     let mut sorted: Vec<(u64, u64, u32)> = (0..kept.len())
         .map(|item| {
             let Aabb { min, max } = boxes[item];
             let of_box = hash::words([min.x, min.y, min.z, max.x, max.y, max.z].map(word));
             // A sum, so the order and orientation of the corners do not matter.
-            let of_corners = mesh.triangles()[kept[item] as usize]
+            let of_corners = mesh.triangles[kept[item] as usize]
                 .iter()
                 .fold(0u64, |sum, &v| sum.wrapping_add(corner_hash(v)));
             (of_box, of_corners, item as u32)
@@ -465,9 +472,8 @@ fn group_by_box(mesh: &Mesh, kept: &[u32], boxes: &[Aabb]) -> (Vec<u32>, Vec<u32
 }
 
 /// Tests if two triangles have the same three corners, in any order.
-fn coincident(mesh: &Mesh, a: u32, b: u32) -> bool {
-    let corners = |t: u32| mesh.triangles()[t as usize].map(|v| mesh.positions()[v as usize]);
-    let (a, b) = (corners(a), corners(b));
+fn coincident(mesh: &Triangles<'_>, a: u32, b: u32) -> bool {
+    let (a, b) = (mesh.exact_corners(a), mesh.exact_corners(b));
     a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
 }
 

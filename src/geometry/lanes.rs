@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 /// Four vectors, by coordinate.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lanes(pub [Vec4; 3]);
+pub(crate) struct Lanes(pub [Vec4; 3]);
 
 impl Lanes {
     #[inline]

@@ -8,10 +8,10 @@
 
 use glam::DVec3;
 
-/// Three corners, converted from single precision: differences of corners are as good as exact.
-type Corners = [DVec3; 3];
+use super::triangle::Corners;
 
-/// Whether two triangles cross. Symmetric. A sign within rounding counts as 0.
+/// Whether two triangles cross, whose corners were single precision: differences of corners are as good as exact.
+/// Symmetric. A sign within rounding counts as 0.
 pub(crate) fn triangles_cross(a: &Corners, b: &Corners) -> bool {
     let sides = |b: &Corners| a_sides(b).iter().any(|&[p, q]| pierces(p, q, a));
     sides(b) || a_sides(a).iter().any(|&[p, q]| pierces(p, q, b))
