@@ -3,7 +3,9 @@
 use crate::error::MeshError;
 use crate::hierarchy::HierarchyError;
 use crate::lod::LodError;
-use crate::simplify::{OptionError, ProgressiveError, SequenceError};
+use crate::progressive::ProgressiveError;
+use crate::sequence::SequenceError;
+use crate::simplify::OptionError;
 use crate::tom::TomError;
 use crate::view::ViewError;
 use crate::wavelet::WaveletError;

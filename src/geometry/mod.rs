@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `boxes.rs` | smallest and largest corner of points |
 //! | `triangle.rs` | a triangle: nearest point, distance, ray, angle and weights at a point |
+//! | `texture.rs` | a triangle in texture space: area and side |
 //! | `crossing.rs` | whether two triangles cross |
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
@@ -24,5 +25,6 @@ pub(crate) mod parallel;
 pub(crate) mod rounding;
 pub(crate) mod sectors;
 pub(crate) mod sets;
+pub(crate) mod texture;
 #[cfg_attr(not(feature = "quality"), allow(dead_code))]
 pub(crate) mod triangle;

@@ -12,8 +12,8 @@ use std::ops::ControlFlow;
 use crate::geometry::lists::Lists;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::collapse_forest::CollapseForest;
-use crate::simplify::{CollapseSequence, Origin};
+use crate::sequence::collapse_forest::CollapseForest;
+use crate::sequence::{CollapseSequence, Origin};
 
 use super::bounds::bounds;
 use super::context::lonely_errors;

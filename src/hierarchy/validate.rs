@@ -13,7 +13,7 @@
 //! split of the highest number at which paths of its corners meet. Jump pointers find it, for chains of any length.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
-use crate::simplify::collapse_forest::{Forest, is_degenerate};
+use crate::sequence::collapse_forest::{Forest, is_degenerate};
 use crate::view::Bounds;
 
 use super::build::{MOST_MATERIALS, MOST_TRIANGLES};

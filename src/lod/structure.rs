@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
-use crate::simplify::{CollapseSequence, OptionError};
+use crate::sequence::CollapseSequence;
+use crate::simplify::OptionError;
 
 use super::{Baked, Extracted, Level, Lod, LodError, LodOptions, Values, Vertex};
 

@@ -15,7 +15,7 @@ use crate::{
         triangle::{Corners, has_area, normal},
     },
     mesh::Mesh,
-    simplify::{CollapseSequence, Origin},
+    sequence::{CollapseSequence, Origin},
 };
 
 use super::{QualityError, surface::CHUNK};

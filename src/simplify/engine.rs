@@ -24,9 +24,11 @@ mod watch;
 use std::ops::ControlFlow;
 
 use glam::Vec3;
+use vanish::Vanishing;
 
 use crate::geometry::parallel;
 use crate::mesh::{Mesh, NONE, Tolerances, Topology, border_twins, rounding};
+use crate::sequence::{CollapseSequence, StopReason};
 
 use super::candidates::{Best, Candidate, Judge, NO_BEST, blend_weight};
 use super::classify::kind;
@@ -41,11 +43,8 @@ use super::permissive::{Giving, Permissive, Schedule, gives};
 use super::placement::Placement;
 use super::queue::ClassQueue;
 use super::recorder::Recorder;
-use super::report::StopReason;
-use super::sequence::CollapseSequence;
 use super::simplifier::Settings;
 use super::surface::WorkingSurface;
-use vanish::Vanishing;
 
 pub(super) use hubs::HUB;
 use hubs::Hubs;

@@ -14,9 +14,9 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::sets::Sets;
 use crate::mesh::{Attribute, AttributeValues, Mesh, NONE, Topology, names};
+use crate::sequence::CollapseSequence;
 
 use super::parts::Shape;
-use super::sequence::CollapseSequence;
 
 /// Number of picture cells along its longer side.
 const CELLS: usize = 1024;

@@ -1,5 +1,7 @@
 //! How detail is removed: from a mesh to the sequence of every collapse.
 //!
+//! The result, [`CollapseSequence`], is of the room [`sequence`](crate::sequence).
+//!
 //! | file | idea |
 //! |---|---|
 //! | `simplifier.rs` | [`Simplifier`], the entry point |
@@ -27,7 +29,6 @@
 //! | `apart.rs` | whether the surface would cross itself |
 //! | `wedge_map.rs` | where the wedges of a merged point go |
 //! | `wedge_values.rs` | values that tell wedges apart, and the sides of triangles in texture space |
-//! | `keep_sides.rs` | fitted texture coordinates that mirror no triangle |
 //! | `normals.rs` | [`Normals`]: kept, recomputed after simplification, or dropped |
 //! | `metric/` | [`ErrorMetric`]: costs of collapses |
 //! | `placement.rs` | [`Placement`]: where the merged vertex goes |
@@ -41,32 +42,17 @@
 //! | `parametric_error.rs` | distance travelled by input points |
 //! | `recorder.rs` | writes the sequence |
 //! | `reorder.rs` | puts the steps of tiles in order |
-//! | `sequence.rs` | [`CollapseSequence`] |
-//! | `report.rs` | what a simplification reached, and why it stopped |
 //! | `grow.rs` | levels whose parts grow to replace vanished parts |
-//! | `solved.rs` | attributes of new vertices, fitted to the surface |
-//! | `footprint.rs` | where the input lies on a level |
-//! | `refit.rs` | attributes of a level, fitted to the input |
-//! | `attribute_deviation.rs` | deviation of a level's attributes |
-//! | `collapse_forest.rs` | the substitutions of a sequence as a forest |
-//! | `sequence_build.rs` | sequences from your own simplifier |
-//! | `sequence_check.rs` | checks every promise of a sequence |
-//! | `progressive.rs` | [`ProgressiveMesh`]: base mesh and vertex splits |
-//! | `progressive_check.rs` | checks every promise of a progressive mesh |
 
 mod angles;
 mod apart;
-mod attribute_deviation;
 mod candidates;
 mod classify;
-pub(crate) mod collapse_forest;
 mod curve_samples;
 mod curves;
 mod engine;
 mod errors;
-mod footprint;
 mod grow;
-mod keep_sides;
 pub mod metric;
 mod near;
 mod normals;
@@ -78,19 +64,11 @@ mod parts;
 mod patch;
 mod permissive;
 mod placement;
-mod progressive;
-mod progressive_check;
 mod queue;
 mod recorder;
-mod refit;
 mod reorder;
-mod report;
-mod sequence;
-mod sequence_build;
-mod sequence_check;
 mod sheets;
 mod simplifier;
-mod solved;
 mod stars;
 mod surface;
 mod tracked_samples;
@@ -98,19 +76,21 @@ mod way_back;
 mod wedge_map;
 mod wedge_values;
 
-pub use attribute_deviation::AttributeDeviation;
 pub use grow::Growth;
 pub use metric::{Batch, ErrorMetric, Pair, VanishingLoss};
-pub use normals::{Normals, NormalsDone};
+pub use normals::Normals;
 pub use options::{AttributeWeights, ErrorMeasure, Guard, OptionError, Order, Parts, Progress, Target};
 pub use oracle::{Collapse, Oracle, Reads};
 pub use patch::{Facet, Patch};
-pub use permissive::{GivenUp, Permissive};
+pub use permissive::Permissive;
 pub use placement::Placement;
-pub use progressive::{ProgressiveMesh, VertexSplit};
-pub use progressive_check::ProgressiveError;
-pub use report::{Refusal, SimplifyReport, StopReason};
-pub use sequence::{CollapseSequence, NewVertex, Origin};
-pub use sequence_build::SequenceError;
 pub use simplifier::Simplifier;
 pub use surface::{Corner, Frame, WorkingSurface};
+
+#[doc(no_inline)]
+pub use crate::progressive::{ProgressiveError, ProgressiveMesh, VertexSplit};
+#[doc(no_inline)]
+pub use crate::sequence::{
+    AttributeDeviation, CollapseSequence, GivenUp, NewVertex, NormalsDone, Origin, Refusal, SequenceError,
+    SimplifyReport, StopReason,
+};

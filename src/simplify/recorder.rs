@@ -3,10 +3,9 @@
 use std::ops::Range;
 
 use crate::mesh::{Mesh, NONE, Topology};
+use crate::sequence::{CollapseSequence, NewVertex, SimplifyReport};
 
 use super::metric::{Pair, Substitutions};
-use super::report::SimplifyReport;
-use super::sequence::{CollapseSequence, NewVertex};
 use super::surface::WorkingSurface;
 use super::wedge_map::WedgeMap;
 

@@ -5,9 +5,9 @@
 //! sequence with equal patches and errors.
 
 use crate::mesh::NONE;
+use crate::sequence::CollapseSequence;
 
 use super::options::Limits;
-use super::sequence::CollapseSequence;
 
 /// Sorts the steps of each batch by rank, stably; and `parts`, which has an entry per step or is empty. Returns the
 /// steps' former numbers in the new order. O(steps log steps + vertices + triangles).

@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::texture::{area, side};
 use crate::mesh::{Attribute, Mesh, names};
 
 use super::candidates::blend_weight;
@@ -17,9 +18,6 @@ const NORMAL: f32 = 0.003;
 const COLOR: f32 = 0.01;
 /// Weight of sliding texture, as a share of the distance slid.
 const SLIDE: f32 = 0.1;
-/// Height over length below which a triangle of texture space has no side.
-const FLAT: f64 = 1e-6;
-
 /// Values per vertex, new vertices included.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WedgeValues {
@@ -117,25 +115,6 @@ impl WedgeValues {
 
 fn mix(a: f32, b: f32, weight: f32) -> f32 {
     if weight == 0.0 || a.to_bits() == b.to_bits() { a } else { a + (b - a) * weight }
-}
-
-/// Returns 1 for a counterclockwise triangle of texture space, -1 for a clockwise triangle, 0 without a side.
-pub(super) fn side(corners: [[f32; 2]; 3]) -> i8 {
-    let (area, scale) = area(corners);
-    if area > FLAT * scale {
-        1
-    } else if area < -FLAT * scale {
-        -1
-    } else {
-        0
-    }
-}
-
-/// Returns twice the signed area of a triangle of texture space, and the sum of two squared sides.
-fn area(corners: [[f32; 2]; 3]) -> (f64, f64) {
-    let [a, b, c] = corners.map(|p| p.map(f64::from));
-    let (e, f) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    (e[0] * f[1] - e[1] * f[0], e[0] * e[0] + e[1] * e[1] + f[0] * f[0] + f[1] * f[1])
 }
 
 /// Returns the distance on the surface covered by 1 unit of a texture on average, as a share of the diagonal; 0 where

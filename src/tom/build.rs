@@ -2,8 +2,8 @@
 
 use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::CollapseSequence;
-use crate::simplify::collapse_forest::CollapseForest;
+use crate::sequence::CollapseSequence;
+use crate::sequence::collapse_forest::CollapseForest;
 
 use super::{ErrorMark, TomError, TotallyOrderedMesh};
 

@@ -1,12 +1,11 @@
 //! End of a simplification: counts refusals among the remaining candidates; builds the sequence with its report.
 
 use crate::mesh::Mesh;
+use crate::sequence::{CollapseSequence, Refusal, SimplifyReport, StopReason};
 
 use super::super::candidates::Candidate;
 use super::super::metric::ErrorMetric;
 use super::super::reorder;
-use super::super::report::{Refusal, SimplifyReport, StopReason};
-use super::super::sequence::CollapseSequence;
 use super::{Engine, Legal, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {

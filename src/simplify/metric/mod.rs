@@ -41,8 +41,8 @@ pub use quadric::Quadric;
 pub use unsigned_volume::UnsignedVolume;
 pub use volume_area::VolumeArea;
 
-use super::sequence::NewVertex;
 use super::surface::WorkingSurface;
+use crate::sequence::NewVertex;
 
 /// A candidate collapse: `lost` is merged into `kept`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -20,9 +20,8 @@ use std::ops::Range;
 
 use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Mesh, NONE};
-
-use super::collapse_forest::CollapseForest;
-use super::{CollapseSequence, Origin, SequenceError};
+use crate::sequence::collapse_forest::CollapseForest;
+use crate::sequence::{CollapseSequence, Origin, SequenceError};
 
 /// A base mesh, the vertex splits refining it to the input, and the current level.
 ///
@@ -31,7 +30,7 @@ use super::{CollapseSequence, Origin, SequenceError};
 /// ([`ProgressiveMesh::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "super::progressive_check::Parts"))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]
 pub struct ProgressiveMesh {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,

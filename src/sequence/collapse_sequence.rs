@@ -52,7 +52,7 @@ pub enum Origin {
 /// method. Serde validates ([`CollapseSequence::validate`]).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "super::sequence_check::Parts"))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]
 pub struct CollapseSequence {
     pub(crate) input_vertices: u32,
     pub(crate) new_vertices: Vec<NewVertex>,
@@ -164,7 +164,7 @@ impl CollapseSequence {
     }
 
     /// Returns the error bound of the region changed by `step`, object units; 0 where there is no such step.
-    /// Definition: see [`Simplifier`](super::Simplifier).
+    /// Definition: see [`Simplifier`](crate::simplify::Simplifier).
     pub fn step_error(&self, step: usize) -> f32 {
         self.step_error.get(step).copied().unwrap_or(0.0)
     }
@@ -184,7 +184,7 @@ impl CollapseSequence {
     }
 
     /// Returns the curves' part of [`error_after`](CollapseSequence::error_after), object units. Curves are borders,
-    /// non-manifold edges, seams, borders between materials, and creases; see [`Simplifier`](super::Simplifier). 0 for
+    /// non-manifold edges, seams, borders between materials, and creases; see [`Simplifier`](crate::simplify::Simplifier). 0 for
     /// a sequence not made by a simplifier.
     pub fn curve_error_after(&self, steps: usize) -> f32 {
         let last = steps.min(self.len()).checked_sub(1);

@@ -5,90 +5,7 @@
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
 
-use super::ProgressiveMesh;
-
-/// An inconsistency in a [`ProgressiveMesh`].
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ProgressiveError {
-    /// A table's length differs from the length required by the others, or exceeds the maximum.
-    #[error("there are {found} {what} where {expected} are needed")]
-    Length {
-        /// Counted elements.
-        what: &'static str,
-        /// Number found.
-        found: usize,
-        /// Number needed, or the maximum supported.
-        expected: usize,
-    },
-    /// A running count falls where it should grow, or grows where it should fall.
-    #[error("the {what} are out of order at entry {entry}")]
-    Order {
-        /// Name of the count.
-        what: &'static str,
-        /// First entry out of order.
-        entry: usize,
-    },
-    /// An order names an input vertex or triangle out of range or twice.
-    #[error("the order of {what} names {index} at place {place}, which is not there or named before")]
-    NotPermutation {
-        /// "vertices" or "triangles".
-        what: &'static str,
-        /// The place.
-        place: usize,
-        /// Index named at the place.
-        index: u32,
-    },
-    /// A slot lies at a non-finite position, before or after a step.
-    #[error("slot {slot} has a non-finite position")]
-    NonFinitePosition {
-        /// The slot.
-        slot: usize,
-    },
-    /// A pair `[k, l]` is out of turn: `l` must count up from the base, and `k <= l`.
-    #[error("pair {pair} parts slot {k} into {l}, which is out of turn")]
-    Pair {
-        /// Index among all pairs, from the base up.
-        pair: usize,
-        /// Slot kept.
-        k: u32,
-        /// Slot added.
-        l: u32,
-    },
-    /// An added triangle names a slot not present yet.
-    #[error("triangle {triangle} names slot {slot}, which is not there when it comes")]
-    Triangle {
-        /// The triangle's place.
-        triangle: usize,
-        /// The slot.
-        slot: u32,
-    },
-    /// A moved corner is not present yet, is not at the slot it moves from, or moves twice in a step.
-    #[error("corner {corner} of pair {pair} is not at the slot that it moves from")]
-    Corner {
-        /// Index of the pair.
-        pair: usize,
-        /// `3 * triangle + i`, `i` from 0 to 2.
-        corner: u32,
-    },
-    /// A moved slot is not present yet, is not at the position it moves from, does not change its position, or moves
-    /// twice in a step.
-    #[error("move {place} does not start where slot {slot} lies, or is not its only one")]
-    Place {
-        /// Index among all moves.
-        place: usize,
-        /// The slot.
-        slot: u32,
-    },
-    /// The current triangles or positions differ from the level given by `steps`.
-    #[error("the mesh shown is not that after {steps} steps")]
-    Level {
-        /// Number of steps of the level claimed.
-        steps: usize,
-    },
-}
-
-use ProgressiveError as Error;
+use super::{ProgressiveError, ProgressiveMesh};
 
 impl ProgressiveMesh {
     /// Checks the invariants used by every other call: levels are prefixes, and each split exactly inverts its step.
@@ -115,9 +32,9 @@ impl ProgressiveMesh {
         Ok(())
     }
 
-    fn check_tables(&self) -> Result<(), Error> {
+    fn check_tables(&self) -> Result<(), ProgressiveError> {
         let Some(steps) = self.vertices_after.len().checked_sub(1) else {
-            return Err(Error::Length { what: "levels", found: 0, expected: 1 });
+            return Err(ProgressiveError::Length { what: "levels", found: 0, expected: 1 });
         };
         let (vertices, triangles) = (self.positions.len(), self.triangles.len());
         for (what, found) in [("steps", steps), ("vertices", vertices), ("triangles", triangles)] {
@@ -132,7 +49,7 @@ impl ProgressiveMesh {
             expect(what, after.len(), steps + 1)?;
             expect(what, after[0] as usize, most)?;
             if let Some(entry) = after.windows(2).position(|w| w[0] < w[1]) {
-                return Err(Error::Order { what, entry: entry + 1 });
+                return Err(ProgressiveError::Order { what, entry: entry + 1 });
             }
         }
         let base = self.vertices_after[steps] as usize;
@@ -140,50 +57,50 @@ impl ProgressiveMesh {
         expect("pairs", self.parted.len(), vertices - base)?;
         for (pair, &[k, l]) in self.parted.iter().enumerate() {
             if l as usize != base + pair || k > l {
-                return Err(Error::Pair { pair, k, l });
+                return Err(ProgressiveError::Pair { pair, k, l });
             }
         }
         expect("corner starts", self.corner_start.len(), self.parted.len() + 1)?;
         expect("first corner start", self.corner_start[0] as usize, 0)?;
         expect("last corner start", self.corner_start[self.parted.len()] as usize, self.corners.len())?;
         if let Some(entry) = self.corner_start.windows(2).position(|w| w[0] > w[1]) {
-            return Err(Error::Order { what: "corner starts", entry: entry + 1 });
+            return Err(ProgressiveError::Order { what: "corner starts", entry: entry + 1 });
         }
         let beyond = self.corners.iter().position(|&corner| (corner / 3) as usize >= triangles);
         if let Some(at) = beyond {
             let pair = self.corner_start.partition_point(|&start| start as usize <= at) - 1;
-            return Err(Error::Corner { pair, corner: self.corners[at] });
+            return Err(ProgressiveError::Corner { pair, corner: self.corners[at] });
         }
         check_permutation("vertices", &self.vertex_order, vertices)?;
         check_permutation("triangles", &self.triangle_order, triangles)?;
         let mut earlier = 0;
         for (entry, &end) in self.batches.iter().enumerate() {
             if end < earlier || end as usize > steps {
-                return Err(Error::Order { what: "batches", entry });
+                return Err(ProgressiveError::Order { what: "batches", entry });
             }
             earlier = end;
         }
         expect("batched steps", earlier as usize, steps)
     }
 
-    fn check_positions(&self) -> Result<(), Error> {
+    fn check_positions(&self) -> Result<(), ProgressiveError> {
         let finite = |p: &[f32; 3]| p.iter().all(|x| x.is_finite());
         if let Some(slot) = self.positions.iter().position(|p| !finite(p)) {
-            return Err(Error::NonFinitePosition { slot });
+            return Err(ProgressiveError::NonFinitePosition { slot });
         }
         for (place, moved) in self.places.iter().enumerate() {
             if moved.slot as usize >= self.positions.len() || bits(moved.fine) == bits(moved.coarse) {
-                return Err(Error::Place { place, slot: moved.slot });
+                return Err(ProgressiveError::Place { place, slot: moved.slot });
             }
             if !(finite(&moved.fine) && finite(&moved.coarse)) {
-                return Err(Error::NonFinitePosition { slot: moved.slot as usize });
+                return Err(ProgressiveError::NonFinitePosition { slot: moved.slot as usize });
             }
         }
         Ok(())
     }
 
     /// Checks the corners and slots of the next split: they must be as left by the step it undoes.
-    fn check_split(&self) -> Result<(), Error> {
+    fn check_split(&self) -> Result<(), ProgressiveError> {
         let step = self.steps() - 1;
         let (vertices, triangles) = (self.positions().len(), self.triangles().len());
         for pair in self.parted_range(step) {
@@ -192,7 +109,7 @@ impl ProgressiveMesh {
                 let triangle = (corner / 3) as usize;
                 let there = triangle < triangles && (k as usize) < vertices;
                 if !there || self.triangles[triangle][(corner % 3) as usize] != k {
-                    return Err(Error::Corner { pair, corner });
+                    return Err(ProgressiveError::Corner { pair, corner });
                 }
             }
         }
@@ -200,46 +117,46 @@ impl ProgressiveMesh {
             let moved = &self.places[place];
             let slot = moved.slot as usize;
             if slot >= vertices || bits(self.positions[slot]) != bits(moved.coarse) {
-                return Err(Error::Place { place, slot: moved.slot });
+                return Err(ProgressiveError::Place { place, slot: moved.slot });
             }
         }
         Ok(())
     }
 
     /// Checks the corners and slots written by the last split, and the slots named by added triangles.
-    fn check_split_done(&self) -> Result<(), Error> {
+    fn check_split_done(&self) -> Result<(), ProgressiveError> {
         let step = self.steps();
         for pair in self.parted_range(step) {
             let [_, l] = self.parted[pair];
             for &corner in &self.corners[self.corner_range(pair)] {
                 if self.triangles[(corner / 3) as usize][(corner % 3) as usize] != l {
-                    return Err(Error::Corner { pair, corner });
+                    return Err(ProgressiveError::Corner { pair, corner });
                 }
             }
         }
         for place in self.place_range(step) {
             let moved = &self.places[place];
             if bits(self.positions[moved.slot as usize]) != bits(moved.fine) {
-                return Err(Error::Place { place, slot: moved.slot });
+                return Err(ProgressiveError::Place { place, slot: moved.slot });
             }
         }
         let came = self.triangles_after[step + 1] as usize..self.triangles_after[step] as usize;
         came.into_iter().try_for_each(|triangle| self.check_triangle(triangle, &self.triangles[triangle]))
     }
 
-    fn check_triangle(&self, triangle: usize, corners: &[u32; 3]) -> Result<(), Error> {
+    fn check_triangle(&self, triangle: usize, corners: &[u32; 3]) -> Result<(), ProgressiveError> {
         match corners.iter().find(|&&slot| slot as usize >= self.positions().len()) {
-            Some(&slot) => Err(Error::Triangle { triangle, slot }),
+            Some(&slot) => Err(ProgressiveError::Triangle { triangle, slot }),
             None => Ok(()),
         }
     }
 
     /// Checks bit equality with `level`, if both are after the same number of steps.
-    fn check_level(&self, level: &Self) -> Result<(), Error> {
+    fn check_level(&self, level: &Self) -> Result<(), ProgressiveError> {
         let same = self.steps != level.steps
             || self.triangles == level.triangles
                 && self.positions.iter().zip(&level.positions).all(|(&a, &b)| bits(a) == bits(b));
-        if same { Ok(()) } else { Err(Error::Level { steps: self.steps }) }
+        if same { Ok(()) } else { Err(ProgressiveError::Level { steps: self.steps }) }
     }
 }
 
@@ -247,17 +164,17 @@ fn bits(position: [f32; 3]) -> [u32; 3] {
     position.map(f32::to_bits)
 }
 
-fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected { Ok(()) } else { Err(Error::Length { what, found, expected }) }
+fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), ProgressiveError> {
+    if found == expected { Ok(()) } else { Err(ProgressiveError::Length { what, found, expected }) }
 }
 
-fn check_permutation(what: &'static str, order: &[u32], count: usize) -> Result<(), Error> {
+fn check_permutation(what: &'static str, order: &[u32], count: usize) -> Result<(), ProgressiveError> {
     expect(what, order.len(), count)?;
     let mut place_of = vec![NONE; count];
     for (place, &index) in order.iter().enumerate() {
         match place_of.get_mut(index as usize) {
             Some(known) if *known == NONE => *known = place as u32,
-            _ => return Err(Error::NotPermutation { what, place, index }),
+            _ => return Err(ProgressiveError::NotPermutation { what, place, index }),
         }
     }
     Ok(())
@@ -277,7 +194,7 @@ pub(super) struct Parts {
     parted: Vec<[u32; 2]>,
     corner_start: Vec<u32>,
     corners: Vec<u32>,
-    places: Vec<super::progressive::Place>,
+    places: Vec<super::progressive_mesh::Place>,
     batches: Vec<u32>,
     steps: usize,
 }

@@ -17,7 +17,7 @@ use std::borrow::Cow;
 
 use crate::mesh::{Mesh, NONE};
 
-use super::sequence_check::expect;
+use super::validate::expect;
 use super::{CollapseSequence, SequenceError};
 
 /// Vertices of a sequence by reverse order of removal, and the forest of their substitutions.

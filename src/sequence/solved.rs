@@ -15,8 +15,8 @@ use glam::DVec3;
 
 use crate::mesh::{Attribute, Mesh, Topology, names};
 
+use super::collapse_sequence::CollapseSequence;
 use super::footprint::parts;
-use super::sequence::CollapseSequence;
 
 /// Least height over length of a triangle with a trusted slope. On thinner triangles values count as constant.
 const THINNEST: f64 = 1e-5;

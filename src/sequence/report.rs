@@ -1,7 +1,6 @@
 //! Result of a simplification, and the reason for stopping.
 
 use super::NormalsDone;
-use super::permissive::GivenUp;
 
 /// Reason for stopping a simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +14,7 @@ pub enum StopReason {
     /// No legal collapse is left; see [`SimplifyReport::refusals`].
     NothingLegal,
     /// Each legal collapse left would raise the error beyond the value explained by the triangles left; see
-    /// [`Guard`](super::Guard).
+    /// [`Guard`](crate::simplify::Guard).
     Guard,
     /// The progress callback stopped the run. The sequence up to there is whole and usable.
     Cancelled,
@@ -32,6 +31,28 @@ pub struct Refusal {
     /// Candidates refused in the final mesh; counted only after stopping with [`StopReason::NothingLegal`],
     /// [`StopReason::Error`] or [`StopReason::Guard`].
     pub standing: u64,
+}
+
+/// Counts of collapses, by the rule given up for them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct GivenUp {
+    /// A point left its seam, or wedges of a seam were chosen anew.
+    pub seams: u64,
+    /// A point left a seam made by normals alone, or wedges of such a seam were chosen anew.
+    pub creases: u64,
+    /// A point left its border between materials.
+    pub materials: u64,
+    /// The topology changed: a hole closed, a handle was cut, two sheets met.
+    pub topology: u64,
+}
+
+impl GivenUp {
+    /// Whether nothing was given up.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Result of a simplification, and the reason for stopping.
@@ -57,17 +78,17 @@ pub struct SimplifyReport {
     /// Treatment of normals.
     pub normals: NormalsDone,
     /// Number of vanished parts of the input (points joined by triangles). 0 in sequences not made by a
-    /// [`Simplifier`](super::Simplifier).
+    /// [`Simplifier`](crate::simplify::Simplifier).
     pub parts_removed: usize,
     /// Refusals, an entry per oracle in the order of asking.
     pub refusals: Vec<Refusal>,
-    /// Collapses giving up seams, creases, material borders or topology ([`Permissive`](super::Permissive)).
+    /// Collapses giving up seams, creases, material borders or topology ([`Permissive`](crate::simplify::Permissive)).
     pub given_up: GivenUp,
 }
 
 impl SimplifyReport {
     /// Creates a report of 0 steps.
-    pub(super) fn new(stop: StopReason) -> Self {
+    pub(crate) fn new(stop: StopReason) -> Self {
         Self {
             stop,
             steps: 0,

@@ -18,7 +18,7 @@ impl CollapseSequence {
     /// error bounds are finite and accumulate, and triangle counts match the vanished triangles. O(n log n), n all
     /// entries.
     ///
-    /// Succeeds for every sequence made by a [`Simplifier`](super::Simplifier) or [`CollapseSequence::from_collapses`].
+    /// Succeeds for every sequence made by a [`Simplifier`](crate::simplify::Simplifier) or [`CollapseSequence::from_collapses`].
     /// Files are let in through it only. Not checked, since it takes the mesh: triangles vanish at the steps given.
     ///
     /// # Errors

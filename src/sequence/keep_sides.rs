@@ -1,9 +1,8 @@
 //! Keeps solved texture coordinates from flipping triangles: where a fit mirrors a triangle, its corners return to their
 //! values before the fit, which the simplifier has checked.
 
+use crate::geometry::texture::side;
 use crate::mesh::{Attribute, names};
-
-use super::wedge_values::side;
 
 /// Number of passes after which the corners of all triangles go back.
 const PASSES: usize = 12;
