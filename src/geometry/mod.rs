@@ -6,6 +6,7 @@
 //! | `triangle.rs` | a triangle: nearest point, distance, ray, angle and weights at a point |
 //! | `texture.rs` | a triangle in texture space: area and side |
 //! | `crossing.rs` | whether two triangles cross |
+//! | `segment.rs` | a segment: nearest point |
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
 //! | `rounding.rs` | single precision, rounded up |
@@ -24,6 +25,7 @@ pub(crate) mod lists;
 pub(crate) mod parallel;
 pub(crate) mod rounding;
 pub(crate) mod sectors;
+pub(crate) mod segment;
 pub(crate) mod sets;
 pub(crate) mod texture;
 #[cfg_attr(not(feature = "quality"), allow(dead_code))]

@@ -16,10 +16,10 @@
 
 use crate::sequence::GivenUp;
 
-use super::classify::kind;
 use super::metric::Pair;
 use super::surface::WorkingSurface;
-use super::wedge_map::WedgeMap;
+use super::surface::classify::kind;
+use super::surface::wedge_map::WedgeMap;
 
 /// Whether seams, creases, material borders and the topology may give.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

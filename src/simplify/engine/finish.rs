@@ -2,11 +2,12 @@
 
 use crate::mesh::Mesh;
 use crate::sequence::{CollapseSequence, Refusal, SimplifyReport, StopReason};
+use crate::simplify::metric::ErrorMetric;
 
-use super::super::candidates::Candidate;
-use super::super::metric::ErrorMetric;
-use super::super::reorder;
-use super::{Engine, Legal, state};
+use super::attempt::Legal;
+use super::candidates::Candidate;
+use super::driver::{Engine, state};
+use super::reorder;
 
 impl<M: ErrorMetric> Engine<'_, M> {
     /// Counts, per oracle, the candidates of the final mesh first refused by it; and the candidates which would leave

@@ -16,14 +16,14 @@ use glam::Vec3;
 
 use crate::geometry::triangle::distance_squared_single;
 use crate::mesh::NONE;
+use crate::simplify::metric::{ErrorMetric, Pair, VanishingLoss};
+use crate::simplify::options::Order;
+use crate::simplify::oracle::Collapse;
+use crate::simplify::parts::Parts;
+use crate::simplify::surface::WorkingSurface;
 
-use super::super::candidates::Candidate;
-use super::super::metric::{ErrorMetric, Pair, VanishingLoss};
-use super::super::options::Order;
-use super::super::oracle::Collapse;
-use super::super::parts::Parts;
-use super::super::surface::WorkingSurface;
-use super::{Engine, state};
+use super::candidates::Candidate;
+use super::driver::{Engine, state};
 
 /// Maximum number of triangles of a remnant.
 const REMNANT: u32 = 10;

@@ -1,9 +1,8 @@
 //! The guard during a simplification: limits the error by the number of triangles left.
 
 use crate::geometry::boxes;
-
-use super::super::options::{ErrorMeasure, Guard};
-use super::super::surface::WorkingSurface;
+use crate::simplify::options::{ErrorMeasure, Guard};
+use crate::simplify::surface::WorkingSurface;
 
 /// Limit of [`Guard`], and refusals.
 pub(super) struct Watch {

@@ -12,11 +12,12 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::parallel;
+use crate::simplify::surface::WorkingSurface;
+
 use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
-use crate::geometry::parallel;
-use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the plane of a triangle, as a length of its normal `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

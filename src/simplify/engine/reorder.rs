@@ -6,8 +6,7 @@
 
 use crate::mesh::NONE;
 use crate::sequence::CollapseSequence;
-
-use super::options::Limits;
+use crate::simplify::options::Limits;
 
 /// Sorts the steps of each batch by rank, stably; and `parts`, which has an entry per step or is empty. Returns the
 /// steps' former numbers in the new order. O(steps log steps + vertices + triangles).

@@ -22,10 +22,9 @@ use crate::geometry::{
     sectors::{Sectors, least},
 };
 use crate::mesh::NONE;
-
-use super::metric::Pair;
-use super::patch::{Facet, Patch};
-use super::surface::WorkingSurface;
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::patch::{Facet, Patch};
 
 /// Points with more triangles are not searched around.
 const HUB: usize = 64;
@@ -55,7 +54,7 @@ const MOST_FACETS: usize = 64;
 
 /// The triangles of the input around each of its points.
 #[derive(Debug, Clone, Default)]
-pub(super) struct WayBack {
+pub(crate) struct WayBack {
     positions: Vec<Vec3>,
     /// Start of each point's triangles; length points + 1.
     start: Vec<u32>,

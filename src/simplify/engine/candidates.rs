@@ -9,12 +9,13 @@
 
 use glam::Vec3;
 
-use super::classify::kind;
-use super::engine::HUB;
-use super::metric::{ErrorMetric, Pair};
-use super::placement::Placement;
-use super::surface::WorkingSurface;
 use crate::mesh::NONE;
+use crate::simplify::metric::{ErrorMetric, Pair};
+use crate::simplify::placement::Placement;
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::classify::kind;
+
+use super::hubs::HUB;
 
 /// Maximum distance of an optimum from the middle of the edge, in edge lengths, accepted without further checks.
 const FAR: f32 = 1.0;
@@ -176,13 +177,4 @@ impl<M: ErrorMetric> Judge<'_, M> {
         let object = self.surface.frame().object(x.into());
         (Vec3::from(self.surface.frame().inner(object)), Some(object))
     }
-}
-
-/// Returns the weight of `b` in the blend of `a` and `b` nearest to `x` on the segment.
-pub(super) fn blend_weight(a: Vec3, b: Vec3, x: Vec3) -> f32 {
-    let ab = b - a;
-    let length = ab.length_squared();
-    let share = (x - a).dot(ab) / length;
-    // NaN where points coincide, or where products overflow far away.
-    if share > 0.0 { share.min(1.0) } else { 0.0 }
 }

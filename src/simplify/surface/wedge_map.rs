@@ -11,9 +11,10 @@
 //!
 //! Each layer of a sheet has its own wedges, mapped by the triangles of the same layer.
 
-use super::metric::Pair;
+use crate::simplify::metric::Pair;
+
+use super::WorkingSurface;
 use super::sheets::Layer;
-use super::surface::WorkingSurface;
 
 /// Most wedges of the lost point in a map; with more, the map [overflows](WedgeMap::overflows).
 const FEW: usize = 16;

@@ -6,7 +6,7 @@ use crate::mesh::NONE;
 
 /// The corners around every point.
 #[derive(Debug, Clone)]
-pub(super) struct PointStars {
+pub(crate) struct PointStars {
     pool: Vec<u32>,
     /// Start, length and room of each star.
     spans: Vec<Span>,

@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use crate::mesh::{Mesh, NONE, Topology};
 use crate::sequence::{CollapseSequence, NewVertex, SimplifyReport};
-
-use super::metric::{Pair, Substitutions};
-use super::surface::WorkingSurface;
-use super::wedge_map::WedgeMap;
+use crate::simplify::metric::{Pair, Substitutions};
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::wedge_map::WedgeMap;
 
 /// A sequence under construction.
 pub(super) struct Recorder {

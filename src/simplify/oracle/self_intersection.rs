@@ -14,10 +14,9 @@ use glam::Vec3;
 
 use crate::geometry::{boxes, crossing::triangles_cross};
 use crate::mesh::NONE;
-
-use super::oracle::{Collapse, Oracle};
-use super::patch::Facet;
-use super::surface::WorkingSurface;
+use crate::simplify::oracle::{Collapse, Oracle};
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::patch::Facet;
 
 /// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
@@ -26,7 +25,7 @@ const LEAF: usize = 4;
 /// do not count.
 ///
 /// Not among the default rules: a simplification takes several times as long. A surface without self-intersections then
-/// gets none, except between neighbours folding over, which [`NormalFlip`](super::oracle::NormalFlip) refuses.
+/// gets none, except between neighbours folding over, which [`NormalFlip`](super::NormalFlip) refuses.
 #[derive(Debug, Clone, Default)]
 pub struct SelfIntersection {
     /// Triangles in the order of the leaves. `start`: first triangle of every leaf.

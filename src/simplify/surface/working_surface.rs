@@ -87,20 +87,20 @@ pub struct Corner {
 #[derive(Debug, Clone)]
 pub struct WorkingSurface {
     frame: Frame,
-    pub(super) positions: Vec<Vec3>,
+    pub(crate) positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     /// Current vertex at each corner; empty where each point has a single wedge.
-    pub(super) corner_vertices: Vec<[u32; 3]>,
+    pub(crate) corner_vertices: Vec<[u32; 3]>,
     /// Current vertex of each point (its lowest wedge where there are several).
     point_vertex: Vec<u32>,
-    pub(super) materials: Vec<u32>,
-    pub(super) kinds: Vec<u16>,
+    pub(crate) materials: Vec<u32>,
+    pub(crate) kinds: Vec<u16>,
     /// Kinds of edges required to stay edges.
-    pub(super) held: u16,
+    pub(crate) held: u16,
     /// Values distinguishing wedges; empty without any.
-    pub(super) values: WedgeValues,
+    pub(crate) values: WedgeValues,
     /// True if a wedge with nowhere to go may move along with its point, as a new vertex.
-    pub(super) moves_wedges: bool,
+    pub(crate) moves_wedges: bool,
     stars: PointStars,
     curves: Curves,
     sheets: Sheets,
@@ -108,17 +108,17 @@ pub struct WorkingSurface {
     /// Number of live triangles following another.
     followers: usize,
     live_points: usize,
-    pub(super) scratch: Scratch,
+    pub(crate) scratch: Scratch,
 }
 
 /// Marks and lists of checks and collapses, reused: nothing is allocated once warm.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Scratch {
-    pub(super) moved: Vec<u32>,
-    pub(super) neighbours: Vec<u32>,
-    pub(super) seen: Vec<SeenNeighbour>,
+pub(crate) struct Scratch {
+    pub(crate) moved: Vec<u32>,
+    pub(crate) neighbours: Vec<u32>,
+    pub(crate) seen: Vec<SeenNeighbour>,
     /// Edges around a point: the other point, and the vertices at both ends.
-    pub(super) ends: Vec<[u32; 3]>,
+    pub(crate) ends: Vec<[u32; 3]>,
 }
 
 impl WorkingSurface {
@@ -242,7 +242,7 @@ impl WorkingSurface {
     }
 
     /// Returns true if triangles have materials.
-    pub(super) fn has_materials(&self) -> bool {
+    pub(crate) fn has_materials(&self) -> bool {
         !self.materials.is_empty()
     }
 
@@ -265,7 +265,7 @@ impl WorkingSurface {
 
     /// Returns true if a triangle has followers with other vertices, material or winding.
     #[inline]
-    pub(super) fn is_layered(&self, triangle: u32) -> bool {
+    pub(crate) fn is_layered(&self, triangle: u32) -> bool {
         !self.sheets.layers(triangle).is_empty()
     }
 
@@ -389,26 +389,26 @@ impl WorkingSurface {
     }
 
     /// Calls `visit` with the other end and the rim of every curve edge at a point.
-    pub(super) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32, Rim)) {
+    pub(crate) fn for_rims(&self, point: u32, mut visit: impl FnMut(u32, Rim)) {
         for [edge, other] in self.curves.around(point) {
             visit(other, self.curves.rim(edge));
         }
     }
 
     /// Returns true if the input has at most `SMALL` triangles, so each may be examined many times.
-    pub(super) fn is_small(&self) -> bool {
+    pub(crate) fn is_small(&self) -> bool {
         self.triangles.len() <= SMALL
     }
 
     /// Returns true if at most `SMALL` triangles or 1 in `COARSE` are left: the middle of a triangle may then be far
     /// from every point over it.
     #[inline]
-    pub(super) fn is_coarse(&self) -> bool {
+    pub(crate) fn is_coarse(&self) -> bool {
         self.live <= SMALL.max(self.triangles.len() / COARSE)
     }
 
     /// Returns the curves in their current state.
-    pub(super) fn curves(&self) -> &Curves {
+    pub(crate) fn curves(&self) -> &Curves {
         &self.curves
     }
 

@@ -3,14 +3,14 @@
 
 use glam::Vec3;
 
+use crate::geometry::segment::blend_weight;
 use crate::geometry::texture::{area, side};
 use crate::mesh::{Attribute, Mesh, names};
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::{Corner, WorkingSurface};
 
-use super::candidates::blend_weight;
 use super::classify::kind;
-use super::metric::Pair;
 use super::sheets::Layer;
-use super::surface::{Corner, WorkingSurface};
 use super::wedge_map::WedgeMap;
 
 /// Weight of a deviation of 1 in a normal; `COLOR`: in a colour. Shares of the diagonal.
@@ -20,7 +20,7 @@ const COLOR: f32 = 0.01;
 const SLIDE: f32 = 0.1;
 /// Values per vertex, new vertices included.
 #[derive(Debug, Clone, Default)]
-pub(super) struct WedgeValues {
+pub(crate) struct WedgeValues {
     /// Number of sets of texture coordinates, which come first.
     sets: usize,
     /// Weight of a deviation of 1, per scalar.
@@ -140,12 +140,12 @@ fn units_per_uv(mesh: &Mesh, uv: &Attribute) -> f32 {
 
 impl WorkingSurface {
     /// Appends the values of a new vertex.
-    pub(super) fn add_vertex(&mut self, from: [u32; 2], weight: f32) {
+    pub(crate) fn add_vertex(&mut self, from: [u32; 2], weight: f32) {
         self.values.push_blend(from, weight);
     }
 
     /// Returns true if merging `pair` at `x` leaves every triangle on its side of texture space. O(valence).
-    pub(super) fn keeps_uv_sides(&self, pair: Pair, x: Vec3) -> bool {
+    pub(crate) fn keeps_uv_sides(&self, pair: Pair, x: Vec3) -> bool {
         let sets = self.values.sets;
         if sets == 0 {
             return true;
@@ -191,7 +191,7 @@ impl WorkingSurface {
     }
 
     /// Returns true if the triangles of the lost point's wedge `from` stay on their sides with `to` in its place.
-    pub(super) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
+    pub(crate) fn keeps_sides_of(&self, pair: Pair, from: u32, to: u32) -> bool {
         self.star(pair.lost).filter(|corner| !corner.others.contains(&pair.kept)).all(|corner| {
             let mut own =
                 self.layers(corner.triangle).filter(|layer| layer.vertices[corner.slot as usize] == from);

@@ -16,15 +16,15 @@ use glam::{Vec3, Vec4};
 
 use crate::geometry::{lanes::Lanes, sectors::Sectors};
 use crate::mesh::NONE;
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::patch::{Facet, Patch};
 
 use super::angles::Angles;
-use super::metric::Pair;
-use super::patch::{Facet, Patch};
-use super::surface::WorkingSurface;
 
 /// Tracks the triangle under each merged point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct TrackedSamples {
+pub(crate) struct TrackedSamples {
     /// The input's points, then middles of triangles: between curves, or all triangles on small meshes.
     points: Vec<TrackedSample>,
     /// First tracked sample on each triangle.

@@ -18,8 +18,8 @@ use glam::Vec3;
 use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
 
+use super::WorkingSurface;
 use super::classify::kind;
-use super::surface::WorkingSurface;
 
 /// Cosine of the angle between two triangles' normals below which their edge is a crease.
 const CREASE: f32 = 0.75;
@@ -36,7 +36,7 @@ const HELD: u64 = 1 << 32;
 
 /// Meaning of a curve edge to metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Rim {
+pub(crate) enum Rim {
     /// A mere seam: the surface goes on across it.
     Seam,
     /// The surface bends there.
@@ -47,7 +47,7 @@ pub(super) enum Rim {
 
 /// The curve edges between points, doubly linked around each point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Curves {
+pub(crate) struct Curves {
     /// First entry of every point: `2 edge + end`, with `end` 0 or 1. Empty where there are no curves.
     first: Vec<u32>,
     /// Points of every edge; `NONE` once the edge is gone.

@@ -2,12 +2,13 @@
 
 use glam::Vec3;
 
+use crate::simplify::metric::Pair;
+use crate::simplify::options::ErrorMeasure;
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::patch::Patch;
+
 use super::curve_samples::CurveSamples;
-use super::metric::Pair;
-use super::options::ErrorMeasure;
 use super::parametric_error::ParametricError;
-use super::patch::Patch;
-use super::surface::WorkingSurface;
 use super::tracked_samples::TrackedSamples;
 use super::way_back::WayBack;
 
@@ -17,7 +18,7 @@ const ROUNDING: f32 = 1.0 / 2_097_152.0;
 
 /// Distance of the level from the input after a step, inner units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Deviation {
+pub(crate) struct Deviation {
     pub surface: f32,
     pub curve: f32,
 }
@@ -35,14 +36,14 @@ impl Deviation {
 }
 
 /// Method of finding the error of a step.
-pub(super) enum Errors {
+pub(crate) enum Errors {
     /// Bounds surface and curves alike.
     Parametric(ParametricError),
     TrackedSamples(Box<Watch>),
 }
 
 /// Tracked samples of surface and curves.
-pub(super) struct Watch {
+pub(crate) struct Watch {
     surface: TrackedSamples,
     curves: CurveSamples,
     back: WayBack,

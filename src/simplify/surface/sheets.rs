@@ -39,7 +39,7 @@ impl Layer {
 
 /// Leaders and their followers. Empty where no two triangles coincide.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Sheets {
+pub(crate) struct Sheets {
     /// Start of each triangle's followers; length triangles + 1.
     start: Vec<u32>,
     followers: Vec<u32>,
@@ -292,11 +292,11 @@ fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
 }
 
 /// An edge of a layer: true if it runs from the first end to the second, its vertices at the ends, and its material.
-pub(super) type LayerEdge = (bool, [u32; 2], u32);
+pub(crate) type LayerEdge = (bool, [u32; 2], u32);
 
 /// Classifies an edge between two sheets, as `kind` bits: a seam or material border where a layer on either side does
 /// not continue on the other. `before` and `beyond`: edges of the layers on either side, from the same end.
-pub(super) fn edge_between(
+pub(crate) fn edge_between(
     before: impl Iterator<Item = LayerEdge> + Clone,
     beyond: impl Iterator<Item = LayerEdge> + Clone,
 ) -> u16 {

@@ -11,11 +11,11 @@
 
 use glam::Vec3;
 
-use super::patch::Facet;
+use crate::simplify::surface::patch::Facet;
 
 /// Triangles sorted by angle, and the plane in which directions are measured.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Angles {
+pub(crate) struct Angles {
     right: Vec3,
     up: Vec3,
     order: Vec<(f32, u32)>,

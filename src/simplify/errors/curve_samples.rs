@@ -14,9 +14,8 @@
 use glam::Vec3;
 
 use crate::mesh::NONE;
-
-use super::metric::Pair;
-use super::surface::WorkingSurface;
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::WorkingSurface;
 
 /// Maximum number of the kept point's edges looked at where the point stays: with more, it is a hub.
 const MOST_KEPT: usize = 16;
@@ -27,7 +26,7 @@ const ALONG: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Assigns each lost point of a curve to an edge of the image.
 #[derive(Debug, Clone, Default)]
-pub(super) struct CurveSamples {
+pub(crate) struct CurveSamples {
     /// Per point its curve point in the input, or `NONE`.
     number: Vec<u32>,
     /// Curve points. `start`, `neighbours`, `merged` and `placed` are per curve point too.
@@ -68,7 +67,7 @@ struct Spoke {
 
 /// Effect of a merge on the input's curves.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct CurveChange {
+pub(crate) struct CurveChange {
     /// Largest squared distance.
     pub worst: f32,
     /// Growth of the sum of squared distances.

@@ -19,7 +19,7 @@ const LEAF: usize = 16;
 
 /// The points of a surface in a tree of boxes.
 #[derive(Debug, Clone)]
-pub(super) struct Near {
+pub(crate) struct Near {
     /// Points and their positions in the input, in the order of the leaves.
     points: Vec<(Vec3, u32)>,
     /// Start of each leaf; length leaves + 1.

@@ -14,10 +14,10 @@ use glam::Vec3;
 
 use crate::geometry::{lists::Lists, sets::Sets};
 use crate::mesh::NONE;
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::WorkingSurface;
 
-use super::metric::Pair;
 use super::near::Near;
-use super::surface::WorkingSurface;
 
 /// Least cosine between the directions of kindred parts, and largest ratio of their areas.
 const KIN_COSINE: f32 = 0.5;
@@ -27,7 +27,7 @@ const NO_DIRECTION: f32 = 0.2;
 
 /// Shape of a part in the input, inner units.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Shape {
+pub(crate) struct Shape {
     pub area: f32,
     pub centre: Vec3,
     /// Mean squared distance of the surface from its centre.
@@ -75,7 +75,7 @@ impl Shape {
 
 /// The parts of a surface.
 #[derive(Debug, Clone)]
-pub(super) struct Parts {
+pub(crate) struct Parts {
     /// Per point its part in the input; `NONE` if no triangle uses the point.
     first: Vec<u32>,
     /// Per input triangle its part; `NONE` if `surface.triangle` is `None` at the start.

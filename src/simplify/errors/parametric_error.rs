@@ -6,12 +6,12 @@
 
 use glam::Vec3;
 
-use super::metric::Pair;
-use super::surface::WorkingSurface;
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::WorkingSurface;
 
 /// Per point the largest distance of an input point merged into it, inner units.
 #[derive(Debug, Clone, Default)]
-pub(super) struct ParametricError {
+pub(crate) struct ParametricError {
     reach: Vec<f32>,
 }
 

@@ -10,8 +10,8 @@
 
 use glam::Vec3;
 
-use super::metric::Pair;
-use super::surface::{Corner, WorkingSurface};
+use crate::simplify::metric::Pair;
+use crate::simplify::surface::{Corner, WorkingSurface};
 
 /// A surviving triangle of a patch. Its first corner is the merged point; corners are relative to the merged point's new
 /// position.
@@ -67,7 +67,7 @@ impl Facet {
 
 /// `4 sqrt(3) area / (sum of squared sides)` of a triangle with corners 0, `a` and `b`; `cross = a x b`.
 #[inline]
-pub(super) fn quality(cross: Vec3, a: Vec3, b: Vec3) -> f32 {
+pub(crate) fn quality(cross: Vec3, a: Vec3, b: Vec3) -> f32 {
     let sides = a.length_squared() + b.length_squared() + (b - a).length_squared();
     if sides > 0.0 { 2.0 * 3f32.sqrt() * cross.length() / sides } else { 0.0 }
 }

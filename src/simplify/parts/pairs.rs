@@ -6,16 +6,16 @@
 //! once their parts are joined. Distances are measured to the points' positions in the input.
 
 use crate::mesh::NONE;
+use crate::simplify::surface::WorkingSurface;
 
-use super::parts::Parts;
-use super::surface::WorkingSurface;
+use super::Parts;
 
 /// Most pairs kept per point; the nearest are kept.
 const MOST: usize = 8;
 
 /// The possible partners of each point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Partners {
+pub(crate) struct Partners {
     /// Inner units.
     distance: f32,
     /// Per point, nearest first; empty if nothing may be joined.

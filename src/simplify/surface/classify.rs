@@ -5,9 +5,9 @@
 
 use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
+use crate::simplify::surface::{Corner, WorkingSurface};
 
 use super::sheets::{LayerEdge, edge_between};
-use super::surface::{Corner, WorkingSurface};
 
 /// Kinds of a point, as bits.
 pub(crate) mod kind {
@@ -40,13 +40,13 @@ impl WorkingSurface {
     }
 
     /// Releases edges of this kind: from now on they count as ordinary edges. O(corners).
-    pub(super) fn release(&mut self, bit: u16) {
+    pub(crate) fn release(&mut self, bit: u16) {
         self.held &= !bit;
         self.classify();
     }
 
     /// Classifies every point. O(corners).
-    pub(super) fn classify(&mut self) {
+    pub(crate) fn classify(&mut self) {
         self.scratch.seen = vec![SeenNeighbour::default(); self.positions.len()];
         for point in 0..self.positions.len() as u32 {
             self.classify_point(point);
@@ -115,7 +115,7 @@ impl WorkingSurface {
     }
 
     /// Returns the kind of a point if edges of every kind had to stay. O(valence).
-    pub(super) fn kind_if_held(&mut self, point: u32) -> u16 {
+    pub(crate) fn kind_if_held(&mut self, point: u32) -> u16 {
         self.walk_star(point, kind::FEATURE)
     }
 
@@ -208,7 +208,7 @@ impl WorkingSurface {
     }
 
     /// Returns the kind of an edge if edges of every kind had to stay.
-    pub(super) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u16> {
+    pub(crate) fn edge_kind_if_held(&self, u: u32, v: u32) -> Option<u16> {
         // Walk the end with fewer triangles: the other end may be a hub.
         let (u, v) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
         let mut first: Option<(Corner, [u32; 2])> = None;
@@ -303,7 +303,7 @@ fn ring_length(seen: &[SeenNeighbour], neighbours: &[u32]) -> usize {
 
 /// State of a neighbour while a star is walked.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SeenNeighbour {
+pub(crate) struct SeenNeighbour {
     count: u32,
     next: u32,
     /// Neighbour after this neighbour around the point.
