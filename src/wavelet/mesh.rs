@@ -9,10 +9,10 @@ use crate::mesh::{Mesh, NONE, Topology, Used};
 use crate::view::DeviationBounds;
 
 use super::bounds::{WaveletBounds, bounds};
-use super::build::{Part, SubdivisionBuilder};
-use super::quadrisection::Quadrisection;
+use super::instance::surface::WaveletSurface;
+use super::recognise::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
-use super::surface::WaveletSurface;
+use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Share of the build time spent on finding the connectivity.

@@ -15,9 +15,9 @@ use crate::adapt::Refinements;
 use crate::geometry::parallel;
 use crate::mesh::NONE;
 
-use super::build::{Part, SubdivisionBuilder};
 use super::mesh::MOST_MATERIALS;
 use super::parts::{beside as beside_of, seams, sides, split};
+use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::subdivision::{MOST_ALONG, MOST_FACES};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 

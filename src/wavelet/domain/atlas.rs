@@ -19,10 +19,10 @@ use glam::DVec3;
 
 use crate::geometry::parallel;
 use crate::mesh::NONE;
+use crate::wavelet::{WaveletError, WaveletMesh};
 
-use super::domain::DomainPoint;
+use super::DomainPoint;
 use super::sampler::SurfacePoint;
-use super::{WaveletError, WaveletMesh};
 
 /// Maximum number of texels along a side.
 const MOST_TEXELS: u32 = 1 << 16;
@@ -324,7 +324,7 @@ impl Atlas {
     }
 
     /// Fails unless the mesh has as many base faces as the atlas.
-    pub(super) fn check(&self, mesh: &WaveletMesh) -> Result<(), WaveletError> {
+    pub(crate) fn check(&self, mesh: &WaveletMesh) -> Result<(), WaveletError> {
         let (found, expected) = (self.len(), mesh.subdivision().base_face_count());
         if found == expected { Ok(()) } else { Err(WaveletError::Length { what: "charts", found, expected }) }
     }

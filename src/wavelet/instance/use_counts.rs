@@ -8,12 +8,12 @@
 //! Every vertex in use adds a triangle for each face along its edge, for either triangulation: a split face gains a triangle,
 //! and so does a face cut because its neighbour is split. So the number of triangles is a sum over vertices.
 
-use super::Triangulation;
-use super::subdivision::Subdivision;
+use crate::wavelet::Triangulation;
+use crate::wavelet::subdivision::Subdivision;
 
 /// Counts of a set of wavelets closed under parents.
 #[derive(Debug, Clone)]
-pub(super) struct UseCounts {
+pub(crate) struct UseCounts {
     exact: bool,
     /// Per split face the number of its sides with a wavelet of the set.
     set: Vec<u8>,
@@ -22,7 +22,7 @@ pub(super) struct UseCounts {
 }
 
 /// Receives the effects of changing the set.
-pub(super) trait UseSink {
+pub(crate) trait UseSink {
     /// Called when a wavelet's vertex comes into use or goes out of use.
     fn used(&mut self, wavelet: u32);
     /// Called when a face is split or joined, or loses or regains a corner.

@@ -13,8 +13,8 @@
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
+use crate::wavelet::subdivision::Subdivision;
 
-use super::subdivision::Subdivision;
 use super::surface::WaveletSurface;
 
 /// The wavelet is in the set.
@@ -42,7 +42,7 @@ struct Slots {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Vertices<V> {
+pub(crate) struct Vertices<V> {
     /// Values of all vertices at their own places.
     values: Values<V>,
     /// Blending of values; `None` if vertices are drawn only at their own places.

@@ -18,17 +18,17 @@
 use crate::mesh::NONE;
 
 /// Most faces of all levels together: a face, a side and a direction fit 31 bits.
-pub(super) const MOST_FACES: usize = 1 << 28;
+pub(crate) const MOST_FACES: usize = 1 << 28;
 /// Most levels: barycentric coordinates stay exact in double precision, and loops along levels stay short.
-pub(super) const MOST_LEVELS: usize = 52;
+pub(crate) const MOST_LEVELS: usize = 52;
 /// Most faces along an edge.
-pub(super) const MOST_ALONG: usize = 250;
+pub(crate) const MOST_ALONG: usize = 250;
 /// Marks a side whose midpoint lies on a seam: its children there have other vertices than the wavelet's own.
 const SEAM: u32 = 1 << 31;
 
 /// A side of a face, and whether it runs against the direction of the edge's wavelet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Side(pub(super) u32);
+pub(crate) struct Side(pub(crate) u32);
 
 impl Side {
     pub const NONE: Self = Self(NONE);
@@ -58,37 +58,37 @@ impl Side {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Subdivision {
     /// Vertices at the corners of every base face.
-    pub(super) base: Vec<[u32; 3]>,
+    pub(crate) base: Vec<[u32; 3]>,
     /// Wavelets on the sides of every base face, or `NONE`.
-    pub(super) base_sides: Vec<[u32; 3]>,
+    pub(crate) base_sides: Vec<[u32; 3]>,
     /// Number of vertices of the base faces; larger than the number of points where the base has seams.
-    pub(super) base_vertices: u32,
+    pub(crate) base_vertices: u32,
     /// Start of every level's faces, and the end of the last level.
-    pub(super) face_levels: Vec<u32>,
+    pub(crate) face_levels: Vec<u32>,
     /// Start of every level's wavelets, and the end of the last level. Wavelets of the first level lie on base edges.
-    pub(super) levels: Vec<u32>,
+    pub(crate) levels: Vec<u32>,
     /// Split faces in order; empty where they are faces `0..split_count`.
-    pub(super) split_faces: Vec<u32>,
-    pub(super) split_count: u32,
+    pub(crate) split_faces: Vec<u32>,
+    pub(crate) split_count: u32,
     /// Per face a bit, set where split; `before`: split faces before each word. Both empty where faces `0..split_count` are
     /// split.
-    pub(super) split: Vec<u64>,
-    pub(super) before: Vec<u32>,
+    pub(crate) split: Vec<u64>,
+    pub(crate) before: Vec<u32>,
     /// Wavelets on the sides of every split face, possibly marked by [`SEAM`].
-    pub(super) sides: Vec<[u32; 3]>,
+    pub(crate) sides: Vec<[u32; 3]>,
     /// Two faces along every wavelet's edge, the first of the wavelet's own level. The second may be missing, or be a coarser
     /// unsplit face with the edge as a part of its side.
-    pub(super) along: Vec<[Side; 2]>,
+    pub(crate) along: Vec<[Side; 2]>,
     /// Third and further faces along wavelets' edges: wavelet and side, ascending.
-    pub(super) more: Vec<(u32, Side)>,
+    pub(crate) more: Vec<(u32, Side)>,
     /// Corners of children (`4 * face + corner`) at midpoints on seams, each with its vertex, where the vertex differs from the
     /// wavelet's own; ascending.
-    pub(super) seams: Vec<(u32, u32)>,
+    pub(crate) seams: Vec<(u32, u32)>,
     /// Wavelets with a seam inside a face: at the midpoint, children of the same face have several vertices. Ascending.
-    pub(super) interior_seams: Vec<u32>,
+    pub(crate) interior_seams: Vec<u32>,
     /// Further vertices of wavelets on seams, numbered after all others: wavelet, and a side at which the vertex is; ascending.
     /// If the side belongs to an unsplit face, the vertex is at no other side.
-    pub(super) seam_vertices: Vec<(u32, Side)>,
+    pub(crate) seam_vertices: Vec<(u32, Side)>,
 }
 
 impl Subdivision {
@@ -182,7 +182,7 @@ impl Subdivision {
 
     /// Returns the number of split faces before a split face.
     #[inline]
-    pub(super) fn rank(&self, face: u32) -> usize {
+    pub(crate) fn rank(&self, face: u32) -> usize {
         if self.split.is_empty() {
             return face as usize;
         }
@@ -193,13 +193,13 @@ impl Subdivision {
 
     /// Returns child 0 to 3 of a split face.
     #[inline]
-    pub(super) fn child(&self, face: u32, child: usize) -> u32 {
+    pub(crate) fn child(&self, face: u32, child: usize) -> u32 {
         (self.base.len() + 4 * self.rank(face) + child) as u32
     }
 
     /// Returns the parent of a face, the parent's rank among split faces, and which child the face is; `None` for base faces.
     #[inline]
-    pub(super) fn parent(&self, face: u32) -> Option<(u32, usize, usize)> {
+    pub(crate) fn parent(&self, face: u32) -> Option<(u32, usize, usize)> {
         let at = (face as usize).checked_sub(self.base.len())?;
         let rank = at / 4;
         let parent = if self.split_faces.is_empty() { rank as u32 } else { self.split_faces[rank] };
@@ -216,7 +216,7 @@ impl Subdivision {
 
     /// Returns the vertex at a corner of a face. O(1) on average, O(level) at most.
     #[inline]
-    pub(super) fn corner(&self, mut face: u32, mut corner: usize) -> u32 {
+    pub(crate) fn corner(&self, mut face: u32, mut corner: usize) -> u32 {
         loop {
             let Some((parent, rank, child)) = self.parent(face) else {
                 return self.base[face as usize][corner];
@@ -238,7 +238,7 @@ impl Subdivision {
 
     /// Vertices at the corners of a face.
     #[inline]
-    pub(super) fn corners(&self, face: u32) -> [u32; 3] {
+    pub(crate) fn corners(&self, face: u32) -> [u32; 3] {
         [0, 1, 2].map(|corner| self.corner(face, corner))
     }
 
@@ -251,7 +251,7 @@ impl Subdivision {
     /// Returns the vertices of a wavelet's midpoint at a side of a face along its edge, as used by the first half of the side
     /// and by the second. The two are equal, unless a seam runs inside the face.
     #[inline]
-    pub(super) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
+    pub(crate) fn vertices_at(&self, wavelet: u32, face: u32, side: usize) -> [u32; 2] {
         let own = self.base_vertices + wavelet;
         if self.seam_vertices.is_empty() {
             return [own; 2];
@@ -269,32 +269,32 @@ impl Subdivision {
 
     /// Returns the wavelet on a side of a split face.
     #[inline]
-    pub(super) fn side_of_split(&self, face: u32, side: usize) -> u32 {
+    pub(crate) fn side_of_split(&self, face: u32, side: usize) -> u32 {
         self.sides[self.rank(face)][side] & !SEAM
     }
 
     /// Returns the wavelets on the sides of a split face.
     #[inline]
-    pub(super) fn sides_of_split(&self, face: u32) -> [u32; 3] {
+    pub(crate) fn sides_of_split(&self, face: u32) -> [u32; 3] {
         self.sides[self.rank(face)].map(|wavelet| wavelet & !SEAM)
     }
 
     /// Iterates over the wavelets on the sides of a split face if `yes`, otherwise over nothing; then the face need not be
     /// split.
     #[inline]
-    pub(super) fn sides_of_split_if(&self, face: u32, yes: bool) -> impl Iterator<Item = u32> + use<> {
+    pub(crate) fn sides_of_split_if(&self, face: u32, yes: bool) -> impl Iterator<Item = u32> + use<> {
         let sides = if yes { self.sides_of_split(face) } else { [NONE; 3] };
         sides.into_iter().filter(move |_| yes)
     }
 
     /// Marks a side as on a seam: not all children use the wavelet's own vertex at its midpoint.
-    pub(super) fn mark_seam(&mut self, face: u32, side: usize) {
+    pub(crate) fn mark_seam(&mut self, face: u32, side: usize) {
         let rank = self.rank(face);
         self.sides[rank][side] |= SEAM;
     }
 
     /// Removes all seams: every child uses the wavelet's own vertex at a midpoint.
-    pub(super) fn forget_seams(&mut self) {
+    pub(crate) fn forget_seams(&mut self) {
         (self.seams, self.interior_seams, self.seam_vertices) = (Vec::new(), Vec::new(), Vec::new());
         self.sides.as_flattened_mut().iter_mut().for_each(|wavelet| *wavelet &= !SEAM);
     }
@@ -313,7 +313,7 @@ impl Subdivision {
     }
 
     /// Returns the wavelet on a side of any face, or `NONE`; and whether the side runs against the wavelet's direction.
-    pub(super) fn side(&self, face: u32, side: usize) -> (u32, bool) {
+    pub(crate) fn side(&self, face: u32, side: usize) -> (u32, bool) {
         let wavelet = self.side_wavelet(face, side);
         if wavelet == NONE {
             return (NONE, false);
@@ -345,7 +345,7 @@ impl Subdivision {
 
     /// Iterates over all faces along a wavelet's edge, including coarser unsplit faces.
     #[inline]
-    pub(super) fn faces_along(&self, wavelet: u32) -> impl Iterator<Item = Side> + '_ {
+    pub(crate) fn faces_along(&self, wavelet: u32) -> impl Iterator<Item = Side> + '_ {
         let [a, b] = self.along[wavelet as usize];
         let more = if self.more.is_empty() { &[][..] } else { self.more_along(wavelet) };
         let two = if b == Side::NONE { 1 } else { 2 };
@@ -361,13 +361,13 @@ impl Subdivision {
 
     /// Returns the number of faces along a wavelet's edge, which is the number of triangles added by its vertex.
     #[inline]
-    pub(super) fn width(&self, wavelet: u32) -> usize {
+    pub(crate) fn width(&self, wavelet: u32) -> usize {
         let two = if self.along[wavelet as usize][1] == Side::NONE { 1 } else { 2 };
         if self.more.is_empty() { two } else { two + self.more_along(wavelet).len() }
     }
 
     /// Returns the wavelets on the two halves of a wavelet's edge, in its direction; `NONE` where there is none.
-    pub(super) fn halves(&self, wavelet: u32) -> [u32; 2] {
+    pub(crate) fn halves(&self, wavelet: u32) -> [u32; 2] {
         let mut halves = [NONE; 2];
         for along in self.faces_along(wavelet) {
             let (face, side) = (along.face(), along.side());
@@ -390,7 +390,7 @@ impl Subdivision {
     /// Iterates over the children of a wavelet: wavelets on the edges of the next level meeting in its vertex, each with
     /// whether its edge starts there. Six inside a surface.
     #[inline]
-    pub(super) fn incident_edges(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
+    pub(crate) fn incident_edges(&self, wavelet: u32) -> impl Iterator<Item = (u32, bool)> + '_ {
         let [first, second] = self.halves(wavelet);
         let halves = [(first, false), (second, true)];
         let inner = self.faces_along(wavelet).filter(|along| self.is_split(along.face())).flat_map(|along| {
@@ -403,7 +403,7 @@ impl Subdivision {
 
     /// Iterates over the parents of a wavelet: up to two.
     #[inline]
-    pub(super) fn parents_of(&self, wavelet: u32) -> impl Iterator<Item = u32> + use<> {
+    pub(crate) fn parents_of(&self, wavelet: u32) -> impl Iterator<Item = u32> + use<> {
         let along = self.along[wavelet as usize][0];
         let (mut first, mut second) = (NONE, NONE);
         if let Some((_, rank, child)) = self.parent(along.face()) {
@@ -449,7 +449,7 @@ impl Subdivision {
     /// Iterates over the wavelets of coarser edges containing a wavelet's edge, finest first. Each comes with the half (0 or 1)
     /// containing the edge before it. Ends at the level of the wavelets of `face` if it is, or were, split. All edges have the
     /// same direction.
-    pub(super) fn parent_edges(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub(crate) fn parent_edges(&self, wavelet: u32, face: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
         let start = self.face_levels[self.level_of_face(face) + 1];
         let mut along = self.along[wavelet as usize][0];
         std::iter::from_fn(move || {
@@ -470,7 +470,7 @@ impl Subdivision {
 
     /// Returns the vertices at the ends of a side, in the direction of the edge.
     #[inline]
-    pub(super) fn side_ends(&self, along: Side) -> [u32; 2] {
+    pub(crate) fn side_ends(&self, along: Side) -> [u32; 2] {
         let [a, b] = [along.side(), (along.side() + 1) % 3].map(|corner| self.corner(along.face(), corner));
         if along.against() { [b, a] } else { [a, b] }
     }

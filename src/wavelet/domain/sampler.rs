@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use crate::mesh::names;
+use crate::wavelet::instance::surface::finest_triangles;
+use crate::wavelet::{Subdivision, WaveletMesh};
 
-use super::domain::DomainPoint;
-use super::surface::finest_triangles;
-use super::{Subdivision, WaveletMesh};
+use super::DomainPoint;
 
 /// A point of the full resolution.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,13 +5,12 @@
 //! edge as the side of the central child.
 
 use crate::mesh::{Edges, NONE};
-
-use super::WaveletError;
-use super::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
+use crate::wavelet::WaveletError;
+use crate::wavelet::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
 
 /// A subdivision under construction. All faces to split in a level are given before the next level.
 #[derive(Debug)]
-pub(super) struct SubdivisionBuilder {
+pub(crate) struct SubdivisionBuilder {
     done: Subdivision,
     split_faces: Vec<u32>,
     /// Per face of the last level its edges. `against`: whether a side and its edge run in opposite directions.
@@ -320,7 +319,7 @@ impl SubdivisionBuilder {
 impl Subdivision {
     /// Gives each wavelet a vertex for every distinct key of the `looked_at` sides along its edge. `key` gets wavelet,
     /// face, side and part. For an unsplit face `key` returns the first side's key, or a key of no other side.
-    pub(super) fn tell_apart<K: PartialEq>(
+    pub(crate) fn tell_apart<K: PartialEq>(
         &mut self,
         looked_at: impl Fn(&Self, Side) -> bool,
         key: impl Fn(&Self, u32, u32, usize, Part) -> K,
@@ -369,7 +368,7 @@ impl Subdivision {
 
 /// Children of a split face meeting at the midpoint of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(crate) enum Part {
     First,
     Second,
     Centre,

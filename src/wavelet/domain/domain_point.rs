@@ -12,9 +12,9 @@
 //!
 //! So data given on the base (a texture, say) is defined for every set of wavelets.
 
-use super::Subdivision;
-use super::build::Part;
-use super::subdivision::Side;
+use crate::wavelet::Subdivision;
+use crate::wavelet::subdivision::Side;
+use crate::wavelet::subdivision::build::Part;
 
 /// A point of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ impl DomainPoint {
 }
 
 /// Barycentric coordinates of a child's corners in its parent.
-pub(super) fn child_corners(child: usize) -> [[f64; 3]; 3] {
+pub(crate) fn child_corners(child: usize) -> [[f64; 3]; 3] {
     let corner = |i: usize| std::array::from_fn(|k| f64::from(k == i % 3));
     let middle = |i: usize| blend(corner(i), corner(i + 1));
     match child {
@@ -49,7 +49,7 @@ fn blend(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Converts coordinates `inner` in a triangle to the coordinates in which its `corners` are given.
-pub(super) fn compose(inner: [f64; 3], corners: &[[f64; 3]; 3]) -> [f64; 3] {
+pub(crate) fn compose(inner: [f64; 3], corners: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|k| inner[k] * corners[k][i]).sum())
 }
 
@@ -110,7 +110,7 @@ impl Subdivision {
     }
 
     /// Returns the place of the midpoint of a wavelet's edge, as seen from a side containing the edge.
-    pub(super) fn domain_beside(&self, wavelet: u32, side: Side) -> DomainPoint {
+    pub(crate) fn domain_beside(&self, wavelet: u32, side: Side) -> DomainPoint {
         let corners = self.domain_of_face(side.face()).unwrap_or([DomainPoint::new(0, [0.0; 3]); 3]);
         let [a, b] = [corners[side.side()], corners[(side.side() + 1) % 3]];
         let t = self.along_side(wavelet, side);
@@ -119,7 +119,7 @@ impl Subdivision {
     }
 
     /// Returns the position, 0 to 1, of the midpoint of a wavelet's edge along a side containing the edge.
-    pub(super) fn along_side(&self, wavelet: u32, side: Side) -> f64 {
+    pub(crate) fn along_side(&self, wavelet: u32, side: Side) -> f64 {
         let parent_edges = self.parent_edges(wavelet, side.face());
         let t = parent_edges.fold(0.5, |t, (_, half)| 0.5 * (t + half as f64));
         if side.against() { 1.0 - t } else { t }

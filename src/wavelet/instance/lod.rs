@@ -9,11 +9,11 @@ use crate::lod::{
 };
 use crate::mesh::{Mesh, NONE};
 use crate::view::{Criterion, DeviationBounds, Motion, ObjectView};
+use crate::wavelet::{DetailFrame, Edited, Normals, WaveletError, WaveletMesh};
 
 use super::surface::WaveletSurface;
 use super::use_counts::UseCounts;
 use super::vertices::Vertices;
-use super::{DetailFrame, Edited, Normals, WaveletError, WaveletMesh};
 
 /// A drawn instance of a [`WaveletMesh`], with the values of its vertices.
 ///

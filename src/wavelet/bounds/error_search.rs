@@ -16,9 +16,9 @@ use glam::DVec3;
 
 use crate::mesh::NONE;
 use crate::view::{ErrorShape, Fit};
+use crate::wavelet::ErrorBound;
 
-use super::ErrorBound;
-use super::bounds::{Grounds, WaveletBounds};
+use super::wavelet_bounds::{Grounds, WaveletBounds};
 
 /// Levels below a wavelet with errors visited one by one: for [`ErrorBound::WithoutSiblings`] and [`ErrorBound::Conservative`].
 const LOOK_AT_ALL: u8 = 5;
@@ -30,7 +30,7 @@ const CAUTION: f64 = 1.0 + 1e-9;
 type Parts = [f64; 2];
 
 /// Searches for the largest errors of a wavelet.
-pub(super) struct Search<'a, F> {
+pub(crate) struct Search<'a, F> {
     pub grounds: &'a Grounds<'a>,
     pub wavelet: u32,
     /// Axis of the shapes; `None`: balls.

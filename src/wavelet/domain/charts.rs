@@ -2,10 +2,9 @@
 //! coordinates.
 
 use crate::mesh::{Attribute, Mesh, names};
-
-use super::bounds::all_bounds;
-use super::build::Part;
-use super::{Atlas, Subdivision, WaveletError, WaveletMesh};
+use crate::wavelet::bounds::all_bounds;
+use crate::wavelet::subdivision::build::Part;
+use crate::wavelet::{Atlas, Subdivision, WaveletError, WaveletMesh};
 
 impl Subdivision {
     /// Returns this subdivision with every edge of the base as a seam, even beside unsplit faces: base faces share no

@@ -13,9 +13,9 @@
 
 use crate::adapt::{Dirty, DirtyRanges};
 use crate::mesh::NONE;
+use crate::wavelet::Triangulation;
+use crate::wavelet::subdivision::Subdivision;
 
-use super::Triangulation;
-use super::subdivision::Subdivision;
 use super::use_counts::{UseCounts, UseSink};
 
 /// A side of a part of a face: the wavelet on it, and where the side is.
@@ -91,7 +91,7 @@ impl UseSink for Changes {
 
 /// The triangles of a set of wavelets closed under parents.
 #[derive(Debug, Clone)]
-pub(super) struct WaveletSurface {
+pub(crate) struct WaveletSurface {
     uses: UseCounts,
     /// Per face its first triangle, or `NONE`.
     first: Vec<u32>,
@@ -335,7 +335,7 @@ fn cut_all(
 
 /// Visits the triangles of an unsplit face at full resolution: several where neighbours are split deeper. The order does not
 /// depend on the numbering of vertices.
-pub(super) fn finest_triangles(of: &Subdivision, face: u32, visit: impl FnMut([u32; 3])) {
+pub(crate) fn finest_triangles(of: &Subdivision, face: u32, visit: impl FnMut([u32; 3])) {
     let mut stack = vec![(of.corners(face), [0, 1, 2].map(|side| Edge::new(of, face, side)))];
     cut_all(of, &mut stack, |_| true, visit);
 }

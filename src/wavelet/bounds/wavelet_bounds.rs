@@ -26,12 +26,12 @@ use crate::geometry::{parallel, rounding};
 use crate::lod::Progress;
 use crate::mesh::NONE;
 use crate::view::{DeviationBounds, ErrorShape, angle_between};
+use crate::wavelet::ErrorBound;
+use crate::wavelet::instance::surface::finest_triangles;
+use crate::wavelet::mesh::WaveletMesh;
+use crate::wavelet::subdivision::Subdivision;
 
-use super::ErrorBound;
 use super::error_search::Search;
-use super::mesh::WaveletMesh;
-use super::subdivision::Subdivision;
-use super::surface::finest_triangles;
 
 /// Share by which a sphere is enlarged, so containment survives rounding.
 const ROOM: f64 = 4e-7;
@@ -58,14 +58,14 @@ pub struct WaveletBounds {
 
 impl WaveletBounds {
     #[inline]
-    pub(super) fn unpack(&self, centre: [f32; 3], shape: ErrorShape) -> DeviationBounds {
+    pub(crate) fn unpack(&self, centre: [f32; 3], shape: ErrorShape) -> DeviationBounds {
         let Self { radius, along, across, cone } = *self;
         DeviationBounds { centre, radius, cone, shape, along, across }
     }
 }
 
 /// The surface whose wavelets are bounded.
-pub(super) struct Grounds<'a> {
+pub(crate) struct Grounds<'a> {
     pub mesh: &'a WaveletMesh,
     pub of: &'a Subdivision,
     /// Per wavelet twice the area between its edge at full resolution and the straight line from end to end; empty where
@@ -239,7 +239,7 @@ const CHUNK: usize = 1 << 14;
 
 /// Computes the bounds of every wavelet, from the finest to the coarsest; `None` where `progress` breaks. O(n x levels)
 /// at most.
-pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<WaveletBounds>> {
+pub(crate) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<WaveletBounds>> {
     let grounds = Grounds::new(mesh, true);
     let of = mesh.subdivision();
     let none = WaveletBounds { radius: 0.0, along: 0.0, across: 0.0, cone: [0; 4] };
@@ -265,14 +265,14 @@ pub(super) fn bounds(mesh: &WaveletMesh, progress: Progress<'_>) -> Option<Vec<W
 }
 
 /// Computes the bounds of every wavelet, without progress.
-pub(super) fn all_bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
+pub(crate) fn all_bounds(mesh: &WaveletMesh) -> Vec<WaveletBounds> {
     // Never breaks.
     bounds(mesh, &mut |_| ControlFlow::Continue(())).unwrap_or_default()
 }
 
 /// Recomputes the bounds of wavelets whose supports contain any of these faces, of any level. The result equals
 /// [`all_bounds`]. `diagonal`: the mesh's before the change. Returns the recomputed wavelets, ascending.
-pub(super) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> Vec<u32> {
+pub(crate) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> Vec<u32> {
     let of = mesh.subdivision();
     if room(diagonal) != room(mesh.diagonal()) {
         let all = (0..of.wavelet_count() as u32).collect();
