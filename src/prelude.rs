@@ -10,7 +10,7 @@
 //! # Ok::<(), Error>(())
 //! ```
 
-pub use crate::Error;
+pub use crate::any_error::Error;
 pub use crate::adapt::{Blend, Change, Geomorph};
 pub use crate::hierarchy::VertexHierarchy;
 pub use crate::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, Values, Vertex, VertexBuffer};
