@@ -10,8 +10,8 @@
 //! # Ok::<(), Error>(())
 //! ```
 
-pub use crate::any_error::Error;
 pub use crate::adapt::{Blend, Change, Geomorph};
+pub use crate::any_error::Error;
 pub use crate::hierarchy::VertexHierarchy;
 pub use crate::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, Values, Vertex, VertexBuffer};
 pub use crate::mesh::{Attribute, Mesh, names};

@@ -108,8 +108,8 @@ impl VertexHierarchy {
             brings: splits.brings,
             parents: splits.parents,
             children: splits.children,
-            needs: Lists { start: vec![0; count + 1], items: Vec::new() },
-            dependencies,
+            dependencies: Lists { start: vec![0; count + 1], items: Vec::new() },
+            dependency_kind: dependencies,
             bounds: Vec::new(),
             roots: splits.roots,
             triangles: corners,
@@ -126,7 +126,7 @@ impl VertexHierarchy {
         stage(0.8)?;
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
         stage(0.9)?;
-        hierarchy.needs = dependency_lists(&hierarchy, &splits.order, dependencies);
+        hierarchy.dependencies = dependency_lists(&hierarchy, &splits.order, dependencies);
         stage(1.0)?;
         Ok(HierarchyBuild { hierarchy, vertex_order: forest.order, triangle_order: by_split.items })
     }

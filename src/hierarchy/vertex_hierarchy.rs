@@ -30,8 +30,8 @@ pub struct VertexHierarchy {
     pub(super) brings: Lists,
     pub(super) parents: Lists,
     pub(super) children: Lists,
-    pub(super) needs: Lists,
-    pub(super) dependencies: Dependencies,
+    pub(super) dependencies: Lists,
+    pub(super) dependency_kind: Dependencies,
     pub(super) bounds: Vec<Bounds>,
     pub(super) roots: Vec<u32>,
     /// Corners at full resolution, as leaves. First the triangles never removed, then the others by split.
@@ -65,7 +65,7 @@ impl VertexHierarchy {
 
     /// Returns the kind of dependencies of splits besides their parents.
     pub fn dependency_kind(&self) -> Dependencies {
-        self.dependencies
+        self.dependency_kind
     }
 
     /// Number of triangles at full resolution, without degenerate triangles of the input.
@@ -148,7 +148,7 @@ impl VertexHierarchy {
             + self.brings.memory()
             + self.parents.memory()
             + self.children.memory()
-            + self.needs.memory()
+            + self.dependencies.memory()
             + size_of_val(&self.bounds[..])
             + size_of_val(&self.roots[..])
             + size_of_val(&self.first_triangle[..])
@@ -164,7 +164,7 @@ impl VertexHierarchy {
     }
 
     pub(crate) fn has_dependencies(&self) -> bool {
-        !self.needs.items.is_empty()
+        !self.dependencies.items.is_empty()
     }
 
     pub(super) fn is_root(&self, vertex: u32) -> bool {
@@ -205,6 +205,6 @@ impl Refinements for VertexHierarchy {
 
     #[inline]
     fn dependencies(&self, split: u32) -> impl Iterator<Item = u32> {
-        self.needs.get(split).iter().copied()
+        self.dependencies.get(split).iter().copied()
     }
 }
