@@ -1,6 +1,6 @@
-//! What a simplification leaves: every collapse in order, and any level again.
+//! The result of a simplification: every collapse in order, and any level of detail again.
 //!
-//! Knows no simplifier. Every structure is built from what stands here.
+//! Imports no simplifier: structures are built from a [`CollapseSequence`], whoever made it.
 //!
 //! | file | idea |
 //! |---|---|
