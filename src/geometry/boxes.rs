@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(around_any::<[f64; 3]>(points), Some(expected));
         assert_eq!(around(points.map(DVec3::from_array)), expected.map(DVec3::from_array));
         assert_eq!(around_any::<DVec3>([]), None);
-        assert_eq!(diagonal([[0.0; 3], [f32::MAX; 3]]).is_finite(), true);
+        assert!(diagonal([[0.0; 3], [f32::MAX; 3]]).is_finite());
         assert_eq!(longest_side([Vec3::ZERO, Vec3::new(1.0, 2.0, 2.0)]), 1);
     }
 }

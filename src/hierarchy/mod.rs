@@ -1,10 +1,11 @@
 //! Vertex hierarchies: view-dependent refinement of any mesh accepted by the simplifier.
 //!
-//! Every collapse of a [`CollapseSequence`](crate::sequence::CollapseSequence) is undone by a *split*. Splits build on one another:
-//! a split which brings back a vertex needs the vertex's substitute in the mesh. A *cut* is a set of splits closed under
-//! needs. **The mesh at a cut is the image of the input's triangles under the remaining collapses, without triangles with
-//! two equal corners.** This holds for any cut, so connectivity cannot be corrupted, also on open, non-manifold and
-//! otherwise odd meshes. [`Dependencies`] decide only how near a cut must stay to meshes seen by the simplifier.
+//! Every collapse of a [`CollapseSequence`](crate::sequence::CollapseSequence) is undone by a *split*. Splits build on
+//! one another: a split which brings back a vertex needs the vertex's substitute in the mesh. A *cut* is a set of
+//! splits closed under needs. **The mesh at a cut is the image of the input's triangles under the remaining collapses,
+//! without triangles with two equal corners.** This holds for any cut, so connectivity cannot be corrupted, also on
+//! open, non-manifold and otherwise odd meshes. [`Dependencies`] decide only how near a cut must stay to meshes seen by
+//! the simplifier.
 //!
 //! | file | idea |
 //! |---|---|

@@ -25,8 +25,8 @@ const SHORTEST: f64 = 1e-45;
 
 impl VertexHierarchy {
     /// Checks the structure: every index is in range; substitutes form a forest in which the leaves represented by a
-    /// vertex are a run; all splits at a vertex are nested in one another; parents and dependencies have no cycle; bounds are
-    /// nested; every triangle comes back with the last split to part two of its corners.
+    /// vertex are a run; all splits at a vertex are nested in one another; parents and dependencies have no cycle;
+    /// bounds are nested; every triangle comes back with the last split to part two of its corners.
     ///
     /// Holds for every result of [`VertexHierarchy::build`]. Parts and files are accepted only if valid. O(n log n) on
     /// any input.
@@ -136,7 +136,8 @@ impl VertexHierarchy {
         Ok(())
     }
 
-    /// Checks dependencies and parents together for cycles: removes splits needed by no remaining split until none are left.
+    /// Checks dependencies and parents together for cycles: removes splits needed by no remaining split until none are
+    /// left.
     fn check_cycles(&self) -> Result<(), HierarchyError> {
         let count = self.bounds.len();
         let all = |split: u32| self.parents.get(split).iter().chain(self.dependencies.get(split));

@@ -16,8 +16,9 @@ use std::path::Path;
 /// The table lists the data written, and restored on reading. Files leave out the attribute `vertex`. Only the baked
 /// container keeps locks.
 ///
-/// Positions are written in world coordinates: the mesh's [`origin`](crate::mesh::Mesh::origin) is added in double precision. If the
-/// origin is not zero, text has the digits needed, PLY has doubles, STL is text, and glTF moves its node.
+/// Positions are written in world coordinates: the mesh's [`origin`](crate::mesh::Mesh::origin) is added in double
+/// precision. If the origin is not zero, text has the digits needed, PLY has doubles, STL is text, and glTF moves its
+/// node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {

@@ -18,7 +18,7 @@ pub const MAX_ELEMENTS: usize = 1 << 30;
 /// triangles at all.
 ///
 /// *Topology apart from values*: triangles index vertices. Vertices at equal positions (-0 equals 0) form a *point*.
-/// Vertices of a point with equal attribute values (bit for bit) form a *wedge* ([`Topology`]).
+/// Vertices of a point with equal attribute values (bit for bit) form a *wedge* ([`Topology`](super::Topology)).
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]
@@ -206,7 +206,7 @@ impl Mesh {
         &self.attributes
     }
 
-    /// Finds an attribute by name ([`names`] lists customary names).
+    /// Finds an attribute by name ([`names`](super::names) lists customary names).
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.name() == name)
     }

@@ -1,6 +1,6 @@
 //! Why a progressive mesh is refused.
 
-/// An inconsistency in a [`ProgressiveMesh`].
+/// An inconsistency in a [`ProgressiveMesh`](super::ProgressiveMesh).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgressiveError {

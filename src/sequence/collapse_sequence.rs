@@ -184,8 +184,8 @@ impl CollapseSequence {
     }
 
     /// Returns the curves' part of [`error_after`](CollapseSequence::error_after), object units. Curves are borders,
-    /// non-manifold edges, seams, borders between materials, and creases; see [`Simplifier`](crate::simplify::Simplifier). 0 for
-    /// a sequence not made by a simplifier.
+    /// non-manifold edges, seams, borders between materials, and creases; see
+    /// [`Simplifier`](crate::simplify::Simplifier). 0 for a sequence not made by a simplifier.
     pub fn curve_error_after(&self, steps: usize) -> f32 {
         let last = steps.min(self.len()).checked_sub(1);
         last.and_then(|last| self.curve_error.get(last).copied()).unwrap_or(0.0)

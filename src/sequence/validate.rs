@@ -18,8 +18,9 @@ impl CollapseSequence {
     /// error bounds are finite and accumulate, and triangle counts match the vanished triangles. O(n log n), n all
     /// entries.
     ///
-    /// Succeeds for every sequence made by a [`Simplifier`](crate::simplify::Simplifier) or [`CollapseSequence::from_collapses`].
-    /// Files are let in through it only. Not checked, since it takes the mesh: triangles vanish at the steps given.
+    /// Succeeds for every sequence made by a [`Simplifier`](crate::simplify::Simplifier) or
+    /// [`CollapseSequence::from_collapses`]. Files are let in through it only. Not checked, since it takes the mesh:
+    /// triangles vanish at the steps given.
     ///
     /// # Errors
     /// An element violating an invariant.

@@ -57,8 +57,9 @@ impl TotallyOrderedMesh {
         self.substitute.get(vertex as usize).copied()
     }
 
-    /// Returns the error bounds behind [`Resolution::error`]: about 1 per 128 vertices, at most 1024, ascending in
-    /// vertices and falling in error. The first is the base. The full resolution has error 0 and no entry.
+    /// Returns the error bounds behind [`Resolution::error`](super::Resolution::error): about 1 per 128 vertices, at
+    /// most 1024, ascending in vertices and falling in error. The first is the base. The full resolution has error 0
+    /// and no entry.
     pub fn error_marks(&self) -> &[ErrorMark] {
         &self.error_marks
     }

@@ -18,8 +18,8 @@
 //! closes on itself (seams, poles, creases), positions are equal bit for bit, so welding closes it.
 //!
 //! Equal arguments give equal bytes on every platform: the code uses only sums, products, quotients and square roots.
-//! Counts are clamped to a sensible minimum and to the capacity of a [`Mesh`]; lengths that are not positive and finite
-//! are replaced. Each function states its limits.
+//! Counts are clamped to a sensible minimum and to the capacity of a [`Mesh`](super::Mesh); lengths that are not
+//! positive and finite are replaced. Each function states its limits.
 
 mod awkward;
 mod cad;

@@ -52,16 +52,16 @@ pub struct Substitutions<'a> {
 
 /// The cost of a collapse.
 ///
-/// Positions and lengths are in the surface's inner frame ([`Frame`](crate::simplify::Frame)). Costs order collapses and have no
-/// other meaning. They must not be NaN; negative costs count as 0. Costs of different metrics or coefficients do not
-/// compare, so a metric may change its coefficients only in [`begin`](ErrorMetric::begin).
+/// Positions and lengths are in the surface's inner frame ([`Frame`](crate::simplify::Frame)). Costs order collapses
+/// and have no other meaning. They must not be NaN; negative costs count as 0. Costs of different metrics or
+/// coefficients do not compare, so a metric may change its coefficients only in [`begin`](ErrorMetric::begin).
 pub trait ErrorMetric: Send + Sync {
     /// Name on the command line.
     fn name(&self) -> &'static str;
 
     /// Called before the first candidate of each batch is evaluated: the place to build accumulators and to change
     /// coefficients. Accumulators must be rebuilt if `batch.index` is 0 (another mesh) or if they were never built (a
-    /// metric taking over in a later batch, see [`PerBatch`]).
+    /// metric taking over in a later batch, see [`PerBatch`](super::PerBatch)).
     fn begin(&mut self, surface: &WorkingSurface, batch: Batch);
 
     /// Returns the cost of merging `pair` at `position`.
@@ -102,8 +102,9 @@ pub trait ErrorMetric: Send + Sync {
     }
 
     /// Returns the cost of 1 unit of the integral of squared distance over area (inner units): the exchange rate between
-    /// this metric and measured errors or attributes ([`ErrorMeasure::Verified`](crate::simplify::ErrorMeasure::Verified),
-    /// [`WithAttributes`]). `None` if costs are no squared distances.
+    /// this metric and measured errors or attributes
+    /// ([`ErrorMeasure::Verified`](crate::simplify::ErrorMeasure::Verified),
+    /// [`WithAttributes`](super::WithAttributes)). `None` if costs are no squared distances.
     fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
         let _ = (surface, pair);
         None
@@ -117,10 +118,10 @@ pub trait ErrorMetric: Send + Sync {
         None
     }
 
-    /// Returns the cost of attribute deviations in this metric's own unit: the exchange rate of [`WithAttributes`]. By
-    /// default `off.sum * rate / 6`, with `rate` from [`cost_per_deviation`](ErrorMetric::cost_per_deviation): `off.sum`
-    /// counts every triangle at its three corners with twice its area, which is 6 times the integral. Without a rate,
-    /// `off.sum`.
+    /// Returns the cost of attribute deviations in this metric's own unit: the exchange rate of
+    /// [`WithAttributes`](super::WithAttributes). By default `off.sum * rate / 6`, with `rate` from
+    /// [`cost_per_deviation`](ErrorMetric::cost_per_deviation): `off.sum` counts every triangle at its three corners
+    /// with twice its area, which is 6 times the integral. Without a rate, `off.sum`.
     fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
         off.sum * self.cost_per_deviation(surface, pair).map_or(1.0, |rate| rate / 6.0)
     }

@@ -67,16 +67,16 @@ pub trait Oracle: Send + Sync {
         let _ = (surface, kept, dead);
     }
 
-    /// Whether a part of the surface may vanish as a whole ([`Parts::Vanish`](crate::simplify::Parts::Vanish)). `points` are all
-    /// points of the part. Default: yes.
+    /// Whether a part of the surface may vanish as a whole ([`Parts::Vanish`](crate::simplify::Parts::Vanish)).
+    /// `points` are all points of the part. Default: yes.
     fn allows_vanishing(&self, surface: &WorkingSurface, points: &[u32]) -> bool {
         let _ = (surface, points);
         true
     }
 
     /// Whether the rule keeps the topology. Such rules do not apply to joined parts
-    /// ([`join_distance`](crate::simplify::Simplifier::join_distance)), whose topology has changed anyway, and they give before a
-    /// size is missed ([`Permissive`](crate::simplify::Permissive)). Default: no.
+    /// ([`join_distance`](crate::simplify::Simplifier::join_distance)), whose topology has changed anyway, and they
+    /// give before a size is missed ([`Permissive`](crate::simplify::Permissive)). Default: no.
     fn keeps_topology(&self) -> bool {
         false
     }

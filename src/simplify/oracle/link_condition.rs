@@ -10,8 +10,8 @@ use super::{Collapse, Oracle};
 /// The link condition: the collapse keeps the topology (Dey et al. 1999; Berkey 3.1, read as: the only points adjacent to
 /// both ends are the third corners of the edge's own triangles).
 ///
-/// A pair without an edge (see [`Simplifier::join_distance`](crate::simplify::Simplifier::join_distance)) is allowed if the two
-/// points have no common neighbour: it joins two parts on purpose.
+/// A pair without an edge (see [`Simplifier::join_distance`](crate::simplify::Simplifier::join_distance)) is allowed if
+/// the two points have no common neighbour: it joins two parts on purpose.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LinkCondition;
 

@@ -23,9 +23,9 @@ use crate::mesh::NONE;
 
 /// A mesh taken apart into base faces and their four-to-one subdivisions: a forest of faces in level order.
 ///
-/// Made by [`recognise`](crate::wavelet::recognise()). Every triangle of the mesh is exactly 1 leaf. For a face with corners c0, c1, c2
-/// and midpoints m_k on the sides from c_k to c_k+1, child i is `[c_i, m_i, m_i+2]` for i = 0, 1, 2, and child 3 is the centre
-/// `[m0, m1, m2]`. 5 bytes a face.
+/// Made by [`recognise`](crate::wavelet::recognise()). Every triangle of the mesh is exactly 1 leaf. For a face with
+/// corners c0, c1, c2 and midpoints m_k on the sides from c_k to c_k+1, child i is `[c_i, m_i, m_i+2]` for i = 0, 1, 2,
+/// and child 3 is the centre `[m0, m1, m2]`. 5 bytes a face.
 ///
 /// Two different edges of a face above the leaves may join the same two vertices. Such edges are told apart by the mesh's edges
 /// along them, and a midpoint belongs to its edge.

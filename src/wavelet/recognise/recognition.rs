@@ -55,25 +55,25 @@ pub struct Recognition {
 
 /// Takes a mesh apart into the coarsest base complex of each component and its four-to-one subdivisions.
 ///
-/// A component is a set of triangles joined by edges between welded points ([`Topology`]). All base faces of a component are
-/// split equally often; components may differ. Borders, edges with three or more triangles, clashing orientation, attribute
-/// seams and changes of material may run anywhere along the edges of coarse faces, but not inside coarse faces. Locks do not
-/// matter. Points where several fans of triangles meet are no obstacle: a point may be a midpoint in one fan and an old vertex
-/// in another. Duplicate triangles leave their component without levels. A triangle naming a point twice is a component of its
-/// own, without levels.
+/// A component is a set of triangles joined by edges between welded points ([`Topology`]). All base faces of a
+/// component are split equally often; components may differ. Borders, edges with three or more triangles, clashing
+/// orientation, attribute seams and changes of material may run anywhere along the edges of coarse faces, but not
+/// inside coarse faces. Locks do not matter. Points where several fans of triangles meet are no obstacle: a point may
+/// be a midpoint in one fan and an old vertex in another. Duplicate triangles leave their component without levels. A
+/// triangle naming a point twice is a component of its own, without levels.
 ///
-/// Base faces are ordered by component, then by their lowest input triangle. Corner 0 of a base face is its lowest wedge, but a
-/// base face that is itself an input triangle keeps the corner order of the input.
+/// Base faces are ordered by component, then by their lowest input triangle. Corner 0 of a base face is its lowest
+/// wedge, but a base face that is itself an input triangle keeps the corner order of the input.
 ///
-/// Several ways to coarsen exist only on meshes without irregular vertices. The ways are tried in a fixed order, and the first
-/// to allow a further coarsening is taken. O(n) beyond the making of [`Topology`] and [`Edges`]; about 110 bytes a triangle
-/// while it runs.
+/// Several ways to coarsen exist only on meshes without irregular vertices. The ways are tried in a fixed order, and
+/// the first to allow a further coarsening is taken. O(n) beyond the making of [`Topology`] and [`Edges`]; about 110
+/// bytes a triangle while it runs.
 pub fn recognise(mesh: &Mesh) -> Recognition {
     find(mesh, false)
 }
 
-/// Takes a mesh apart like [`recognise`], but coarsens components across attribute seams if the seams would stop coarsening.
-/// Then several wedges may share a midpoint inside a coarse face.
+/// Takes a mesh apart like [`recognise`], but coarsens components across attribute seams if the seams would stop
+/// coarsening. Then several wedges may share a midpoint inside a coarse face.
 pub fn recognise_across_seams(mesh: &Mesh) -> Recognition {
     find(mesh, true)
 }
@@ -172,8 +172,8 @@ impl Cutter<'_> {
     }
 }
 
-/// All coarse faces so far. A *node* is an input triangle `t`, or `triangles + c` for coarse face `c`; below `4/3 * 2^30`, so
-/// three times a node fits 32 bits.
+/// All coarse faces so far. A *node* is an input triangle `t`, or `triangles + c` for coarse face `c`; below `4/3 *
+/// 2^30`, so three times a node fits 32 bits.
 struct Tower {
     triangles: u32,
     /// Per coarse face, its children as `3 * node + turn`.
@@ -190,8 +190,8 @@ impl Tower {
         self.triangles + self.children.len() as u32
     }
 
-    /// Coarsens a component as often as possible, and adds its base faces to the roots if there is at least 1 level. Returns
-    /// the number of levels and why there are no more.
+    /// Coarsens a component as often as possible, and adds its base faces to the roots if there is at least 1 level.
+    /// Returns the number of levels and why there are no more.
     fn raise(
         &mut self,
         complex: Complex,

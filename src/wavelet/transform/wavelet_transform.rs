@@ -18,28 +18,28 @@ const MOST_RINGS: u8 = 2;
 pub enum Wavelet {
     /// Hats at midpoints: coarser levels are samples of the finest level.
     Lazy,
-    /// Hats at midpoints minus a combination of coarser hats. The combination makes the wavelet orthogonal to all coarser hats
-    /// in a disk of 0 to 2 rings of neighbours around the edge. Coarser levels are nearly the best approximations in the mean
-    /// square.
+    /// Hats at midpoints minus a combination of coarser hats. The combination makes the wavelet orthogonal to all
+    /// coarser hats in a disk of 0 to 2 rings of neighbours around the edge. Coarser levels are nearly the best
+    /// approximations in the mean square.
     Disk(u8),
 }
 
 /// Takes functions on a subdivision apart into values on the base and wavelet coefficients, and puts them together again.
 ///
-/// A function is linear on the faces of the finest level. On a coarser level, it is the function with all finer coefficients
-/// set to 0. The coefficient w of a midpoint is its value minus the middle of its ends. For [`Wavelet::Disk`], s_k w is added
-/// to the next coarser level's value at every hat k of the disk, before that level is taken apart in turn (Lounsbery et al.
-/// 1997, Multiresolution analysis for surfaces of arbitrary topological type; the lifting form of Southern, appendix A,
-/// equation A.10). Synthesis inverts these steps in reverse order.
+/// A function is linear on the faces of the finest level. On a coarser level, it is the function with all finer
+/// coefficients set to 0. The coefficient w of a midpoint is its value minus the middle of its ends. For
+/// [`Wavelet::Disk`], s_k w is added to the next coarser level's value at every hat k of the disk, before that level is
+/// taken apart in turn (Lounsbery et al. 1997, Multiresolution analysis for surfaces of arbitrary topological type; the
+/// lifting form of Southern, appendix A, equation A.10). Synthesis inverts these steps in reverse order.
 ///
-/// Values belong to nodes, numbered level by level, the base first. With [`of_points`](Self::of_points) nodes are points: all
-/// vertices at a seam share a value, so no truncation opens a crack. Use it for positions. With
+/// Values belong to nodes, numbered level by level, the base first. With [`of_points`](Self::of_points) nodes are
+/// points: all vertices at a seam share a value, so no truncation opens a crack. Use it for positions. With
 /// [`of_vertices`](Self::of_vertices) nodes are vertices, and the surface is cut along its seams. Use it for texture
 /// coordinates.
 ///
-/// Lazy transforms work for all subdivisions. Disks need whole levels: the faces of a component, joined by nodes, must be split
-/// equally deep. Making, analysis and synthesis are O(n), as long as few vertices have very many neighbours. Disks with more
-/// than 256 hats lose rings until they fit.
+/// Lazy transforms work for all subdivisions. Disks need whole levels: the faces of a component, joined by nodes, must
+/// be split equally deep. Making, analysis and synthesis are O(n), as long as few vertices have very many neighbours.
+/// Disks with more than 256 hats lose rings until they fit.
 ///
 /// ```
 /// use multires::mesh::shapes;
@@ -74,7 +74,8 @@ impl WaveletTransform {
     /// Makes a transform for functions with the same value at all vertices of a point.
     ///
     /// # Errors
-    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different depths.
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different
+    /// depths.
     pub fn of_points(mesh: &WaveletMesh, kind: Wavelet) -> Result<Self, WaveletError> {
         Self::new(mesh.subdivision(), Domain::of_points(mesh), kind)
     }
@@ -82,7 +83,8 @@ impl WaveletTransform {
     /// Makes a transform for functions with a value for every vertex. Values on the two sides of a seam are independent.
     ///
     /// # Errors
-    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different depths.
+    /// [`WaveletError::Invalid`]: a disk of more than two rings; for disks, faces of a component split to different
+    /// depths.
     pub fn of_vertices(subdivision: &Subdivision, kind: Wavelet) -> Result<Self, WaveletError> {
         Self::new(subdivision, Domain::of_vertices(subdivision), kind)
     }
@@ -145,8 +147,8 @@ impl WaveletTransform {
         self.domain.vertex_of.get(node).copied()
     }
 
-    /// Root of the mean square of a node's wavelet over the surface, every base face weighted equally: the [`l2_error`] caused
-    /// by a coefficient of 1 alone. `None` for the base and out of range.
+    /// Root of the mean square of a node's wavelet over the surface, every base face weighted equally: the
+    /// [`l2_error`](super::l2_error) caused by a coefficient of 1 alone. `None` for the base and out of range.
     pub fn norm(&self, node: usize) -> Option<f64> {
         self.norms.get(node.checked_sub(self.domain.base())?).copied()
     }
@@ -171,9 +173,10 @@ impl WaveletTransform {
 
     /// Takes a function apart: `width` scalars a vertex, vertex by vertex. O(n).
     ///
-    /// [`Coefficients::synthesise`] restores the values. For lazy wavelets they are equal bit for bit (but -0 becomes 0), if at
-    /// every vertex its value and its ends' values, zeros apart, differ by a factor of 2^26 at most: then all sums are exact.
-    /// Otherwise, and for disks, the error is about 1e-15 of the largest value nearby, before rounding to single precision.
+    /// [`Coefficients::synthesise`] restores the values. For lazy wavelets they are equal bit for bit (but -0 becomes
+    /// 0), if at every vertex its value and its ends' values, zeros apart, differ by a factor of 2^26 at most: then all
+    /// sums are exact. Otherwise, and for disks, the error is about 1e-15 of the largest value nearby, before rounding
+    /// to single precision.
     ///
     /// # Errors
     /// Not `width` values a vertex, a width of 0, a non-finite value, or different values at vertices of the same node.
@@ -201,8 +204,8 @@ impl WaveletTransform {
         Ok(Coefficients::of(self, width, nodes))
     }
 
-    /// Takes coefficients from elsewhere, `width` scalars a node, node by node: values for base nodes, coefficients for all
-    /// others.
+    /// Takes coefficients from elsewhere, `width` scalars a node, node by node: values for base nodes, coefficients for
+    /// all others.
     ///
     /// # Errors
     /// Not `width` scalars a node, a width of 0, or a non-finite scalar.
