@@ -57,7 +57,9 @@
 //! | module | contents |
 //! |---|---|
 //! | [`mesh`] | input: [`Mesh`], attributes, materials, locks; [`Report`](mesh::Report); procedural [`shapes`](mesh::shapes) |
-//! | [`simplify`] | [`Simplifier`] with metric, placement, order and oracles; [`CollapseSequence`] and [`ProgressiveMesh`] |
+//! | [`simplify`] | [`Simplifier`] with metric, placement, order and oracles |
+//! | [`sequence`] | what comes out: the [`CollapseSequence`] with its report, and any level of it |
+//! | [`progressive`] | the [`ProgressiveMesh`]: a base mesh and vertex splits |
 //! | [`lod`] | the interface common to all structures: [`Baked`] models, [`Lod`] instances, [`LodOptions`] |
 //! | [`tom`] | the [`TotallyOrderedMesh`]: every level in a vertex array and a triangle array |
 //! | [`gmesh`] | the [`Gmesh`]: few levels that turn into each other in a vertex shader, for objects drawn many times |
@@ -103,6 +105,7 @@ pub mod adapt;
 mod any_error;
 pub mod control;
 pub mod error;
+mod geometry;
 pub mod gmesh;
 #[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
 pub mod guide;
@@ -112,8 +115,10 @@ pub mod io;
 pub mod lod;
 pub mod mesh;
 pub mod prelude;
+pub mod progressive;
 #[cfg(feature = "quality")]
 pub mod quality;
+pub mod sequence;
 pub mod simplify;
 pub mod tom;
 pub mod view;
@@ -125,7 +130,9 @@ pub use gmesh::Gmesh;
 pub use hierarchy::VertexHierarchy;
 pub use lod::{Baked, Level, Lod, LodOptions, Structure};
 pub use mesh::{Attribute, Mesh};
-pub use simplify::{CollapseSequence, Placement, ProgressiveMesh, Simplifier, Target};
+pub use progressive::ProgressiveMesh;
+pub use sequence::CollapseSequence;
+pub use simplify::{Placement, Simplifier, Target};
 pub use tom::TotallyOrderedMesh;
 pub use view::View;
 pub use wavelet::WaveletMesh;

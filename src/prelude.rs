@@ -10,13 +10,14 @@
 //! # Ok::<(), Error>(())
 //! ```
 
-pub use crate::Error;
 pub use crate::adapt::{Blend, Change, Geomorph};
+pub use crate::any_error::Error;
 pub use crate::gmesh::Gmesh;
 pub use crate::hierarchy::VertexHierarchy;
 pub use crate::lod::{Baked, FromSequence, Level, Lod, LodOptions, Structure, Values, Vertex, VertexBuffer};
 pub use crate::mesh::{Attribute, Mesh, names};
-pub use crate::simplify::{CollapseSequence, Placement, Simplifier, StopReason, Target};
+pub use crate::sequence::{CollapseSequence, StopReason};
+pub use crate::simplify::{Placement, Simplifier, Target};
 pub use crate::tom::TotallyOrderedMesh;
 pub use crate::view::{ObjectView, View};
 pub use crate::wavelet::WaveletMesh;

@@ -3,12 +3,15 @@
 #![cfg(feature = "cli")]
 
 mod command;
+#[path = "support/content.rs"]
+mod content;
 
 use std::io::Read;
 use std::path::Path;
 use std::process::Stdio;
 
 use command::{Folder, json, run};
+use content::{Content, content_of};
 use multires::io;
 use multires::mesh::{Mesh, Report, names, shapes};
 use multires::simplify::metric::NAMES;
@@ -18,25 +21,15 @@ fn number(value: &Value) -> usize {
     value.as_u64().unwrap_or_else(|| panic!("{value} is no count")) as usize
 }
 
-/// Corner positions and texture coordinates of every triangle with its material, lowest corner first, sorted: equal
-/// for meshes that differ in order only.
-fn content(mesh: &Mesh) -> Vec<([[u32; 5]; 3], u32)> {
+/// Positions, texture coordinates and materials of a mesh.
+fn content(mesh: &Mesh) -> Content {
     let uv = mesh.attribute(names::UV).and_then(|a| a.as_floats());
-    let corner = |v: u32| {
+    content_of(mesh, |v| {
         let [x, y, z] = mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
         let at = 2 * v as usize;
         let [s, t] = uv.map_or([0, 0], |uv| [uv[at].to_bits(), uv[at + 1].to_bits()]);
-        [x, y, z, s, t]
-    };
-    let triangles = mesh.triangles().iter().enumerate().map(|(t, corners)| {
-        let mut corners = corners.map(corner);
-        let lowest = (0..3).min_by_key(|&i| corners[i]).unwrap();
-        corners.rotate_left(lowest);
-        (corners, mesh.materials().get(t).copied().unwrap_or(0))
-    });
-    let mut content: Vec<_> = triangles.collect();
-    content.sort_unstable();
-    content
+        vec![x, y, z, s, t]
+    })
 }
 
 #[test]

@@ -9,38 +9,10 @@ use multires::mesh::{Attribute, AttributeValues, Mesh, Report, Topology, names, 
 use multires::simplify::{CollapseSequence, Order, Placement, Simplifier, metric};
 use multires::view::{Motion, View, look_at};
 use proptest::prelude::*;
+use support::content::{Content, content, words};
 use support::lod::{Random, bake_hierarchy, drawn, places};
 
 const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
-
-/// All that a vertex has.
-fn words(mesh: &Mesh, v: usize) -> Vec<u32> {
-    let mut words: Vec<u32> = mesh.positions()[v].iter().map(|x| (x + 0.0).to_bits()).collect();
-    for a in mesh.attributes() {
-        let range = v * a.width()..(v + 1) * a.width();
-        match a.values() {
-            AttributeValues::Float(all) => words.extend(all[range].iter().map(|x| x.to_bits())),
-            AttributeValues::Uint(all) => words.extend(&all[range]),
-            AttributeValues::Int(all) => words.extend(all[range].iter().map(|&x| x as u32)),
-            _ => {}
-        }
-    }
-    words.push(u32::from(mesh.locks().get(v).copied().unwrap_or(false)));
-    words
-}
-
-/// All that every triangle has, lowest corner first, sorted: equal for meshes that differ in order only.
-fn content(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
-    let triangles = mesh.triangles().iter().enumerate().map(|(t, corners)| {
-        let mut corners = corners.map(|v| words(mesh, v as usize));
-        let lowest = (0..3).min_by_key(|&i| &corners[i]).unwrap_or(0);
-        corners.rotate_left(lowest);
-        (corners, mesh.materials().get(t).copied().unwrap_or(0))
-    });
-    let mut content: Vec<_> = triangles.collect();
-    content.sort_unstable();
-    content
-}
 
 fn without_uv(mesh: &Mesh) -> Mesh {
     let bare =
@@ -50,7 +22,7 @@ fn without_uv(mesh: &Mesh) -> Mesh {
 }
 
 /// Without triangles of two equal corners, which are not drawn.
-fn whole(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
+fn whole(mesh: &Mesh) -> Content {
     let mut content = content(mesh);
     content.retain(|(c, _)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
     content
@@ -104,9 +76,9 @@ proptest! {
                 let at = lod.to_mesh();
                 prop_assert!(is_compact(&at));
                 let vertices: Vec<[Vec<u32>; 3]> =
-                    drawn(lod).iter().map(|(_, t)| t.map(|v| words(bundle.vertices(), v as usize))).collect();
+                    drawn(lod).iter().map(|(_, t)| t.map(|v| words(bundle.vertices(), v))).collect();
                 let shown: Vec<[Vec<u32>; 3]> =
-                    at.triangles().iter().map(|t| t.map(|v| words(&at, v as usize))).collect();
+                    at.triangles().iter().map(|t| t.map(|v| words(&at, v))).collect();
                 prop_assert_eq!(vertices, shown);
                 meshes.push(at);
             }

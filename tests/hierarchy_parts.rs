@@ -47,12 +47,12 @@ const BREAKS: [(&str, Break); 53] = [
     ("start of brings of split 3", |p| p.brings_start[3] = 4),
     ("start of brings of split 3", |p| p.brings.push(0)),
     ("entry 4 of brings is 8", |p| p.brings[4] = 8),
-    ("0 starts of needs where 4", |p| p.needs_start.clear()),
-    ("start of needs of split 0", |p| p.needs_start = vec![1; 4]),
-    ("start of needs of split 2", |p| p.needs_start[1] = 1),
-    ("start of needs of split 3", |p| p.needs.clear()),
-    ("entry 0 of needs is 3", |p| p.needs[0] = 3),
-    ("1 needs where 0", |p| p.dependencies = Dependencies::None),
+    ("0 starts of dependencies where 4", |p| p.dependencies_start.clear()),
+    ("start of dependencies of split 0", |p| p.dependencies_start = vec![1; 4]),
+    ("start of dependencies of split 2", |p| p.dependencies_start[1] = 1),
+    ("start of dependencies of split 3", |p| p.dependencies.clear()),
+    ("entry 0 of dependencies is 3", |p| p.dependencies[0] = 3),
+    ("1 dependencies where 0", |p| p.dependency_kind = Dependencies::None),
     ("entry 12 of corners of triangles is 7", |p| p.triangles[4][0] = 7),
     ("3 starts of splits' triangles where 4", |p| p.first_triangle.truncate(3)),
     ("first triangle of split 2", |p| p.first_triangle[1] = 4),
@@ -87,9 +87,9 @@ const BREAKS: [(&str, Break); 53] = [
     ("run of leaves of vertex 3", |p| p.brings.swap(3, 4)),
     ("run of leaves of vertex 1", |p| p.substitute[1] = 4),
     // Needs.
-    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 1, 1, 1], vec![2])),
-    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 2], vec![2, 1])),
-    ("cycle of needs", |p| (p.needs_start, p.needs) = (vec![0, 0, 1, 1], vec![1])),
+    ("cycle of dependencies", |p| (p.dependencies_start, p.dependencies) = (vec![0, 1, 1, 1], vec![2])),
+    ("cycle of dependencies", |p| (p.dependencies_start, p.dependencies) = (vec![0, 0, 1, 2], vec![2, 1])),
+    ("cycle of dependencies", |p| (p.dependencies_start, p.dependencies) = (vec![0, 0, 1, 1], vec![1])),
     // Bounds.
     ("bounds of split 1", |p| p.bounds[1].radius = f32::NAN),
     ("bounds of split 1", |p| p.bounds[1].error = -1.0),
@@ -118,7 +118,8 @@ fn every_promise_is_checked() {
 
 #[test]
 fn nothing_is_a_hierarchy_too() {
-    let none = HierarchyParts { brings_start: vec![0], needs_start: vec![0], ..HierarchyParts::default() };
+    let none =
+        HierarchyParts { brings_start: vec![0], dependencies_start: vec![0], ..HierarchyParts::default() };
     let parts = HierarchyParts { first_triangle: vec![0], ..none };
     use_it(VertexHierarchy::try_from(parts).unwrap(), 1);
     assert!(refusal(HierarchyParts::default()).contains("starts of brings"));
@@ -173,8 +174,8 @@ fn forge(parts: &mut HierarchyParts, changes: &[(u8, prop::sample::Index, u32)])
             1 => set(&mut parts.first_leaf),
             2 => set(&mut parts.brings_start),
             3 => set(&mut parts.brings),
-            4 => set(&mut parts.needs_start),
-            5 => set(&mut parts.needs),
+            4 => set(&mut parts.dependencies_start),
+            5 => set(&mut parts.dependencies),
             6 => set(&mut parts.first_triangle),
             7 => set(&mut parts.materials),
             8 if parts.brings.len() > 1 => {
@@ -206,19 +207,22 @@ fn forge(parts: &mut HierarchyParts, changes: &[(u8, prop::sample::Index, u32)])
             }
             13 => parts.diagonal = f64::from(f32::from_bits(value)),
             14 => {
-                parts.needs_start = vec![0; parts.bounds.len() + 1];
-                parts.needs.clear();
+                parts.dependencies_start = vec![0; parts.bounds.len() + 1];
+                parts.dependencies.clear();
             }
             // One more need, if there may be any.
             _ if !parts.bounds.is_empty() => {
                 let split = at.index(parts.bounds.len());
-                parts.dependencies = Dependencies::Adjacent;
+                parts.dependency_kind = Dependencies::Adjacent;
                 if let (Some(&start), true) = (
-                    parts.needs_start.get(split),
-                    parts.needs_start.get(split).is_some_and(|&s| s as usize <= parts.needs.len()),
+                    parts.dependencies_start.get(split),
+                    parts
+                        .dependencies_start
+                        .get(split)
+                        .is_some_and(|&s| s as usize <= parts.dependencies.len()),
                 ) {
-                    parts.needs.insert(start as usize, value % parts.bounds.len() as u32);
-                    parts.needs_start.iter_mut().skip(split + 1).for_each(|start| *start += 1);
+                    parts.dependencies.insert(start as usize, value % parts.bounds.len() as u32);
+                    parts.dependencies_start.iter_mut().skip(split + 1).for_each(|start| *start += 1);
                 }
             }
             _ => {}
@@ -265,7 +269,7 @@ fn chain(vertices: u32, triangles: Vec<[u32; 3]>, first_triangle: Vec<u32>) -> H
         substitute: (0..vertices).map(|v| v.saturating_sub(1)).collect(),
         brings_start: (0..vertices).collect(),
         brings: (1..vertices).collect(),
-        needs_start: vec![0; vertices as usize],
+        dependencies_start: vec![0; vertices as usize],
         bounds: vec![Bounds::new([0.0; 3], 1.0, 1.0, 1.0); splits as usize],
         triangles,
         first_triangle,

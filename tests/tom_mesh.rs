@@ -7,36 +7,8 @@ use multires::lod::Level;
 use multires::mesh::{Attribute, AttributeValues, Mesh, Topology, shapes};
 use multires::simplify::Simplifier;
 use proptest::prelude::*;
+use support::content::content;
 use support::lod::bake_tom;
-
-/// Positions, all values, locks and material of every triangle, lowest corner first, sorted: equal for meshes that
-/// differ in order only.
-fn content(mesh: &Mesh) -> Vec<([Vec<u32>; 3], u32)> {
-    let corner = |v: u32| {
-        let v = v as usize;
-        let mut words: Vec<u32> = mesh.positions()[v].iter().map(|x| (x + 0.0).to_bits()).collect();
-        for a in mesh.attributes() {
-            let range = v * a.width()..(v + 1) * a.width();
-            match a.values() {
-                AttributeValues::Float(all) => words.extend(all[range].iter().map(|x| x.to_bits())),
-                AttributeValues::Uint(all) => words.extend(&all[range]),
-                AttributeValues::Int(all) => words.extend(all[range].iter().map(|&x| x as u32)),
-                _ => {}
-            }
-        }
-        words.push(u32::from(mesh.locks().get(v).copied().unwrap_or(false)));
-        words
-    };
-    let triangles = mesh.triangles().iter().enumerate().map(|(t, corners)| {
-        let mut corners = corners.map(corner);
-        let lowest = (0..3).min_by_key(|&i| &corners[i]).unwrap_or(0);
-        corners.rotate_left(lowest);
-        (corners, mesh.materials().get(t).copied().unwrap_or(0))
-    });
-    let mut content: Vec<_> = triangles.collect();
-    content.sort_unstable();
-    content
-}
 
 fn is_compact(mesh: &Mesh) -> bool {
     let mut used = vec![false; mesh.positions().len()];

@@ -222,7 +222,7 @@ impl SceneBudget {
             rounds += 1;
             if pending > 0 {
                 // The factor is judged by all that it asks for.
-                [total, pending] = pass(objects, |object| object.settle(false));
+                [total, _] = pass(objects, |object| object.settle(false));
                 self.scene.observe(self.factor, total);
             }
             // The first rounds trust the estimate.

@@ -8,7 +8,8 @@ use crate::lod::{
     Values, Vertex, VertexRank,
 };
 use crate::mesh::{Blender, Mesh};
-use crate::simplify::{CollapseSequence, Independence, Order, Simplifier};
+use crate::sequence::CollapseSequence;
+use crate::simplify::{Independence, Order, Simplifier};
 
 use super::instance::Table;
 use super::{Gmesh, GmeshError, GmeshLod, GmeshOptions, Morph};

@@ -1,8 +1,9 @@
 //! From a collapse sequence to a g-mesh: levels at ends of batches, vertices by the last level that draws them, targets.
 
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::collapse_forest::CollapseForest;
-use crate::simplify::{CollapseSequence, OptionError};
+use crate::sequence::CollapseSequence;
+use crate::sequence::collapse_forest::CollapseForest;
+use crate::simplify::OptionError;
 
 use super::shrink::Vanishing;
 use super::{Gmesh, GmeshError, GmeshOptions, GmeshParts};

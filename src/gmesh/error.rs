@@ -1,6 +1,7 @@
 //! Errors of building a g-mesh or of taking its parts.
 
-use crate::simplify::{OptionError, SequenceError};
+use crate::sequence::SequenceError;
+use crate::simplify::OptionError;
 
 /// Why a [`Gmesh`](super::Gmesh) could not be built from a sequence or taken from parts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

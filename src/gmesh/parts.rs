@@ -1,7 +1,7 @@
 //! The plain parts of a g-mesh: levels are computed from the finest level's triangles and the targets, so none can disagree.
 
 use crate::mesh::MAX_ELEMENTS;
-use crate::simplify::collapse_forest::is_degenerate;
+use crate::sequence::collapse_forest::is_degenerate;
 
 use super::{Gmesh, GmeshError, GmeshLevel};
 

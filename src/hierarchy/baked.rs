@@ -8,7 +8,7 @@ use crate::lod::{
     Values, Vertex, VertexRank,
 };
 use crate::mesh::Mesh;
-use crate::simplify::CollapseSequence;
+use crate::sequence::CollapseSequence;
 
 use super::{CutSurface, Dependencies, HierarchyError, HierarchyLod, VertexHierarchy};
 

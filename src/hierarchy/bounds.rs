@@ -9,6 +9,7 @@
 use glam::DVec3;
 
 use crate::adapt::Refinements;
+use crate::geometry::rounding;
 use crate::view::{Bounds, angle_between};
 
 use super::VertexHierarchy;
@@ -119,7 +120,7 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
                 None => f64::INFINITY,
             };
         }
-        let far = above(far * (1.0 + 1e-9));
+        let far = rounding::up(far * (1.0 + 1e-9));
         let (centre, radius) = sphere(hierarchy, split, &region[s], &own[s], &all);
         // The distance of a point to the drawn surface is at most its distance to the place where it is drawn.
         all[s] = Bounds::new(centre, radius, normal_error.min(far), far)
@@ -189,16 +190,10 @@ fn sphere(
     let (centre, radius) = best;
     // Enlargement in proportion to the coordinates too, because a centre is rounded to single precision.
     let scale = hierarchy.diagonal * 1e-9 + centre.abs().max_element() * 1e-12;
-    (centre.as_vec3().to_array(), above(radius * (1.0 + ROOM) + scale))
+    (centre.as_vec3().to_array(), rounding::up(radius * (1.0 + ROOM) + scale))
 }
 
 /// Rounds a vector to single precision.
 fn round(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
-}
-
-/// Rounds up to single precision.
-fn above(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }.min(f32::MAX)
 }

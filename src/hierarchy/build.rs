@@ -9,16 +9,17 @@
 
 use std::ops::ControlFlow;
 
+use crate::geometry::lists::Lists;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::collapse_forest::CollapseForest;
-use crate::simplify::{CollapseSequence, Origin};
+use crate::sequence::collapse_forest::CollapseForest;
+use crate::sequence::{CollapseSequence, Origin};
 
 use super::bounds::bounds;
 use super::context::lonely_errors;
 use super::dependencies::dependency_lists;
 use super::stars::MOST_CORNERS;
-use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
+use super::{Dependencies, HierarchyError, VertexHierarchy};
 
 /// Maximum number of triangles: all may lie around a single vertex.
 pub(super) const MOST_TRIANGLES: usize = MOST_CORNERS;
@@ -107,8 +108,8 @@ impl VertexHierarchy {
             brings: splits.brings,
             parents: splits.parents,
             children: splits.children,
-            needs: Lists { start: vec![0; count + 1], items: Vec::new() },
-            dependencies,
+            dependencies: Lists { start: vec![0; count + 1], items: Vec::new() },
+            dependency_kind: dependencies,
             bounds: Vec::new(),
             roots: splits.roots,
             triangles: corners,
@@ -125,7 +126,7 @@ impl VertexHierarchy {
         stage(0.8)?;
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
         stage(0.9)?;
-        hierarchy.needs = dependency_lists(&hierarchy, &splits.order, dependencies);
+        hierarchy.dependencies = dependency_lists(&hierarchy, &splits.order, dependencies);
         stage(1.0)?;
         Ok(HierarchyBuild { hierarchy, vertex_order: forest.order, triangle_order: by_split.items })
     }

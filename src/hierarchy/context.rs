@@ -15,9 +15,10 @@
 
 use glam::DVec3;
 
+use crate::geometry::{lists::Lists, parallel, triangle::distance_squared};
 use crate::mesh::{Adjacency, NONE};
 
-use super::{Lists, VertexHierarchy};
+use super::VertexHierarchy;
 
 /// Maximum number of leaves of a cluster. Larger clusters use only the error measured by the sequence.
 const MOST_LEAVES: usize = 24;
@@ -32,19 +33,10 @@ pub(super) fn lonely_errors(
 ) -> Vec<f32> {
     let count = brings.start.len() - 1;
     let adjacency = Adjacency::new(&hierarchy.triangles, hierarchy.leaves as usize);
-    let one = |scratch: &mut Scratch, split: u32| {
-        scratch.error(hierarchy, &adjacency, brings.get(split), end, positions)
+    let one = |scratch: &mut Scratch, split: usize| {
+        scratch.error(hierarchy, &adjacency, brings.get(split as u32), end, positions)
     };
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        (0..count as u32).into_par_iter().with_min_len(256).map_init(Scratch::default, one).collect()
-    }
-    #[cfg(not(feature = "parallel"))]
-    {
-        let mut scratch = Scratch::default();
-        (0..count as u32).map(|split| one(&mut scratch, split)).collect()
-    }
+    parallel::map_with(count, 256, one)
 }
 
 #[derive(Default)]
@@ -112,12 +104,12 @@ impl Scratch {
         // Points are in spatial order, so the triangle nearest to the last point is a good guess.
         let mut guess = 0;
         for &point in points.iter() {
-            let mut nearest = distance_squared(point, &images[guess]);
+            let mut nearest = distance_squared(&images[guess], point);
             if nearest <= worst {
                 continue;
             }
             for (i, image) in images.iter().enumerate() {
-                let distance = distance_squared(point, image);
+                let distance = distance_squared(image, point);
                 if distance < nearest {
                     (nearest, guess) = (distance, i);
                     if nearest <= worst {
@@ -129,25 +121,4 @@ impl Scratch {
         }
         worst.sqrt() as f32
     }
-}
-
-/// Returns the squared distance from a point to a triangle.
-fn distance_squared(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let normal = ab.cross(ac);
-    let area = normal.length_squared();
-    let inside = area > 0.0
-        && ab.cross(ap).dot(normal) >= 0.0
-        && ap.cross(ac).dot(normal) >= 0.0
-        && (c - b).cross(p - b).dot(normal) >= 0.0;
-    if inside {
-        return ap.dot(normal).powi(2) / area;
-    }
-    let side = |a: DVec3, b: DVec3| {
-        let (along, to) = (b - a, p - a);
-        let length = along.length_squared();
-        let t = if length > 0.0 { (to.dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
-        (to - along * t).length_squared()
-    };
-    side(a, b).min(side(b, c)).min(side(c, a))
 }

@@ -8,7 +8,9 @@
 //!          w4                       all of w1 ... w4, none of them finer than then  (neighbours)
 //! ```
 
-use super::{CutSurface, Lists, VertexHierarchy};
+use crate::geometry::lists::Lists;
+
+use super::{CutSurface, VertexHierarchy};
 
 /// How near a cut must stay to meshes seen by the simplifier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

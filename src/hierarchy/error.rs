@@ -1,6 +1,7 @@
 //! Errors from building a vertex hierarchy, or from its parts.
 
-use crate::simplify::{OptionError, SequenceError};
+use crate::sequence::SequenceError;
+use crate::simplify::OptionError;
 
 /// Error from building a [`VertexHierarchy`](super::VertexHierarchy), or from its parts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,9 +1,10 @@
 //! Plain arrays of a vertex hierarchy, in and out. Arrays derivable from others are left out.
 
+use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
 
-use super::{Dependencies, HierarchyError, Lists, VertexHierarchy};
+use super::{Dependencies, HierarchyError, VertexHierarchy};
 
 /// The arrays of a [`VertexHierarchy`], for custom file formats.
 ///
@@ -20,12 +21,12 @@ pub struct HierarchyParts {
     pub brings_start: Vec<u32>,
     /// Per split, the vertices brought back, in the order of the collapse.
     pub brings: Vec<u32>,
-    /// Starts of `needs`.
-    pub needs_start: Vec<u32>,
+    /// Starts of `dependencies`.
+    pub dependencies_start: Vec<u32>,
     /// Per split, the splits besides its parents which must be in the mesh before it.
-    pub needs: Vec<u32>,
-    /// Rule by which `needs` were chosen.
-    pub dependencies: Dependencies,
+    pub dependencies: Vec<u32>,
+    /// Rule by which `dependencies` were chosen.
+    pub dependency_kind: Dependencies,
     /// Per split, bounds of the changes made by it and all its descendants.
     pub bounds: Vec<Bounds>,
     /// Corners at full resolution, as leaves. First the triangles never removed, then the others by the split bringing
@@ -43,15 +44,15 @@ pub struct HierarchyParts {
 
 impl From<VertexHierarchy> for HierarchyParts {
     fn from(hierarchy: VertexHierarchy) -> Self {
-        let VertexHierarchy { substitute, first_leaf, brings, needs, dependencies, .. } = hierarchy;
+        let VertexHierarchy { substitute, first_leaf, brings, dependencies, dependency_kind, .. } = hierarchy;
         Self {
             substitute,
             first_leaf,
             brings_start: brings.start,
             brings: brings.items,
-            needs_start: needs.start,
-            needs: needs.items,
-            dependencies,
+            dependencies_start: dependencies.start,
+            dependencies: dependencies.items,
+            dependency_kind,
             bounds: hierarchy.bounds,
             triangles: hierarchy.triangles,
             first_triangle: hierarchy.first_triangle,
@@ -81,8 +82,8 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             brings: Lists { start: parts.brings_start, items: parts.brings },
             parents: Lists::default(),
             children: Lists::default(),
-            needs: Lists { start: parts.needs_start, items: parts.needs },
-            dependencies: parts.dependencies,
+            dependencies: Lists { start: parts.dependencies_start, items: parts.dependencies },
+            dependency_kind: parts.dependency_kind,
             bounds: parts.bounds,
             roots: Vec::new(),
             triangles: parts.triangles,
@@ -172,9 +173,9 @@ impl serde::Serialize for VertexHierarchy {
             first_leaf: &'a [u32],
             brings_start: &'a [u32],
             brings: &'a [u32],
-            needs_start: &'a [u32],
-            needs: &'a [u32],
-            dependencies: Dependencies,
+            dependencies_start: &'a [u32],
+            dependencies: &'a [u32],
+            dependency_kind: Dependencies,
             bounds: &'a [Bounds],
             triangles: &'a [[u32; 3]],
             first_triangle: &'a [u32],
@@ -187,9 +188,9 @@ impl serde::Serialize for VertexHierarchy {
             first_leaf: &self.first_leaf,
             brings_start: &self.brings.start,
             brings: &self.brings.items,
-            needs_start: &self.needs.start,
-            needs: &self.needs.items,
-            dependencies: self.dependencies,
+            dependencies_start: &self.dependencies.start,
+            dependencies: &self.dependencies.items,
+            dependency_kind: self.dependency_kind,
             bounds: &self.bounds,
             triangles: &self.triangles,
             first_triangle: &self.first_triangle,

@@ -13,7 +13,7 @@
 //! split of the highest number at which paths of its corners meet. Jump pointers find it, for chains of any length.
 
 use crate::mesh::{MAX_ELEMENTS, NONE};
-use crate::simplify::collapse_forest::{Forest, is_degenerate};
+use crate::sequence::collapse_forest::{Forest, is_degenerate};
 use crate::view::Bounds;
 
 use super::build::{MOST_MATERIALS, MOST_TRIANGLES};
@@ -25,8 +25,8 @@ const SHORTEST: f64 = 1e-45;
 
 impl VertexHierarchy {
     /// Checks the structure: every index is in range; substitutes form a forest in which the leaves represented by a
-    /// vertex are a run; all splits at a vertex are nested in one another; parents and needs have no cycle; bounds are
-    /// nested; every triangle comes back with the last split to part two of its corners.
+    /// vertex are a run; all splits at a vertex are nested in one another; parents and dependencies have no cycle;
+    /// bounds are nested; every triangle comes back with the last split to part two of its corners.
     ///
     /// Holds for every result of [`VertexHierarchy::build`]. Parts and files are accepted only if valid. O(n log n) on
     /// any input.
@@ -53,7 +53,7 @@ impl VertexHierarchy {
     /// Checks the invariants which need only [`Self::check_arrays`] and the derived arrays.
     pub(super) fn check_promises(&self) -> Result<(), HierarchyError> {
         self.check_collapses()?;
-        self.check_needs()?;
+        self.check_cycles()?;
         self.check_bounds()?;
         self.check_triangles()
     }
@@ -68,7 +68,11 @@ impl VertexHierarchy {
         at_most("materials", self.materials.len(), MOST_MATERIALS)?;
         let lists = [
             (["brings", "starts of brings", "the start of brings of split"], &self.brings, vertices),
-            (["needs", "starts of needs", "the start of needs of split"], &self.needs, splits),
+            (
+                ["dependencies", "starts of dependencies", "the start of dependencies of split"],
+                &self.dependencies,
+                splits,
+            ),
         ];
         for ([items, starts, start], lists, limit) in lists {
             expect(starts, lists.start.len(), splits + 1)?;
@@ -93,8 +97,8 @@ impl VertexHierarchy {
         if let Some(at) = self.materials.windows(2).position(|w| w[0] >= w[1]) {
             return broken("the order of materials at", at + 1);
         }
-        if self.dependencies == Dependencies::None && !self.needs.items.is_empty() {
-            return expect("needs", self.needs.items.len(), 0);
+        if self.dependency_kind == Dependencies::None && !self.dependencies.items.is_empty() {
+            return expect("dependencies", self.dependencies.items.len(), 0);
         }
         let is_length = self.diagonal == 0.0 || (SHORTEST..LONGEST).contains(&self.diagonal);
         if is_length { Ok(()) } else { broken("the diagonal", 0) }
@@ -132,10 +136,11 @@ impl VertexHierarchy {
         Ok(())
     }
 
-    /// Checks needs and parents together for cycles: removes splits needed by no remaining split until none are left.
-    fn check_needs(&self) -> Result<(), HierarchyError> {
+    /// Checks dependencies and parents together for cycles: removes splits needed by no remaining split until none are
+    /// left.
+    fn check_cycles(&self) -> Result<(), HierarchyError> {
         let count = self.bounds.len();
-        let all = |split: u32| self.parents.get(split).iter().chain(self.needs.get(split));
+        let all = |split: u32| self.parents.get(split).iter().chain(self.dependencies.get(split));
         let mut held = vec![0_u32; count];
         (0..count as u32).for_each(|split| all(split).for_each(|&other| held[other as usize] += 1));
         let mut free: Vec<u32> = (0..count as u32).filter(|&split| held[split as usize] == 0).collect();
@@ -148,7 +153,7 @@ impl VertexHierarchy {
             }
         }
         match held.iter().position(|&held| held > 0) {
-            Some(split) => broken("a cycle of needs that holds split", split),
+            Some(split) => broken("a cycle of dependencies that holds split", split),
             None => Ok(()),
         }
     }

@@ -4,6 +4,7 @@
 //! precision loses digits. Indices are not trusted: [`Mesh::new`] checks them.
 
 use super::{Imported, ReadError, ReadOptions, SceneOrigin};
+use crate::geometry::boxes;
 use crate::mesh::{Attribute, AttributeValues, Mesh, Topology};
 
 /// Largest rounding of positions to single precision, as a share of the diagonal, for which the origin stays.
@@ -58,10 +59,7 @@ impl Draft {
 
     /// Returns the smallest and largest corner of the box around all used vertices; `None` without used vertices.
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        let first = *self.used().next()?;
-        Some(self.used().fold([first; 2], |[low, high], p| {
-            [[0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i]))]
-        }))
+        boxes::around_any(self.used().copied())
     }
 
     /// Returns the middle of the box around all used vertices.

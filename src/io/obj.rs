@@ -18,6 +18,7 @@ use super::error::ReadError;
 use super::polygon::Triangulator;
 use super::text::{self, Lines, integer, number, push_float, push_position, quoted, words};
 use crate::error::MeshError;
+use crate::geometry::lists::Lists;
 use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 
 /// A corner: indices of v, vt and vn.
@@ -292,27 +293,14 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
 /// Returns the distinct triples in order of position and then of first use, and the index of each corner's triple.
 /// Positions without corners get a single vertex.
 fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u32>) {
-    let mut start = vec![0_u32; positions + 1];
-    for corner in corners {
-        start[corner[0] as usize + 1] += 1;
-    }
-    for v in 0..positions {
-        start[v + 1] += start[v];
-    }
-    let mut fill = start.clone();
-    let mut by_position = vec![0_u32; corners.len()];
-    for (c, corner) in corners.iter().enumerate() {
-        let at = &mut fill[corner[0] as usize];
-        by_position[*at as usize] = c as u32;
-        *at += 1;
-    }
+    let by_position = Lists::from_pairs(positions, (0..).zip(corners).map(|(c, corner)| (corner[0], c)));
 
     let mut vertices: Vec<Corner> = Vec::with_capacity(positions);
     let mut numbers = vec![NONE; corners.len()];
     let mut sorted: Vec<u32> = Vec::new();
     for v in 0..positions {
         let base = vertices.len();
-        let here = &by_position[start[v] as usize..start[v + 1] as usize];
+        let here = by_position.get(v as u32);
         if here.is_empty() {
             vertices.push([v as u32, NONE, NONE]);
         } else if here.len() <= 32 {

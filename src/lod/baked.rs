@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::adapt::Blend;
 use crate::error::MeshError;
 use crate::mesh::Mesh;
-use crate::simplify::CollapseSequence;
+use crate::sequence::CollapseSequence;
 
 use super::{Extracted, FromSequence, Level, LodError, LodOptions, Origins, Structure, Values, Vertex};
 

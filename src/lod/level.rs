@@ -12,9 +12,9 @@ pub enum Level {
     /// At most this many vertices.
     Vertices(usize),
     /// The coarsest level with a known error of at most this, object units. A totally ordered mesh keeps at most 1024
-    /// bounds, about 1 per 128 vertices ([`TotallyOrderedMesh::error_marks`](crate::TotallyOrderedMesh::error_marks)), so
-    /// the level may be finer than needed by the vertices between two bounds. Below the finest bound, and for NaN, gives
-    /// the full resolution.
+    /// bounds, about 1 per 128 vertices
+    /// ([`TotallyOrderedMesh::error_marks`](crate::tom::TotallyOrderedMesh::error_marks)), so the level may be finer
+    /// than needed by the vertices between two bounds. Below the finest bound, and for NaN, gives the full resolution.
     Error(f32),
     /// At most this share of the triangles, 0 to 1; NaN is 0.
     Ratio(f32),

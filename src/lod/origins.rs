@@ -4,10 +4,11 @@ use bytemuck::NoUninit;
 
 use crate::adapt::Blend;
 use crate::error::MeshError;
+
 #[cfg(feature = "serde")]
 use crate::mesh::MAX_ELEMENTS;
 use crate::mesh::{Mesh, Topology, check_folded, folded};
-use crate::simplify::CollapseSequence;
+use crate::sequence::CollapseSequence;
 
 /// A vertex not in the input: `(1 - weight) * first + weight * second` of two other vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
-use crate::simplify::{CollapseSequence, OptionError, Simplifier};
+use crate::sequence::CollapseSequence;
+use crate::simplify::{OptionError, Simplifier};
 
 use super::{Baked, Extracted, Level, Lod, LodError, LodOptions, Values, Vertex};
 

@@ -9,6 +9,8 @@
 //! Built by counting, prefix sum and filling. The caller numbers the points: stored vertices, or the welded points of
 //! [`Topology`](super::Topology).
 
+use crate::geometry::lists::prefix_sum;
+
 use super::MAX_ELEMENTS;
 
 /// The corners around every point. 4 bytes a point and 12 a triangle.
@@ -66,14 +68,5 @@ impl Adjacency {
     /// Number of corners at a point.
     pub fn valence(&self, point: u32) -> usize {
         self.corners(point).len()
-    }
-}
-
-/// Turns counts into starts, in place. Count `i` is stored at `i + 1`.
-pub(super) fn prefix_sum(start: &mut [u32]) {
-    let mut sum = 0;
-    for entry in start {
-        sum += *entry;
-        *entry = sum;
     }
 }

@@ -17,9 +17,9 @@ pub mod names {
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
 
-    /// The lowest vertex equal to each vertex, 1 unsigned integer. [`Mesh::from_vertices`](crate::Mesh::from_vertices)
-    /// adds it to tell vertices at equal positions apart. In levels the numbers are still the numbers of the input's
-    /// vertices. Files leave it out.
+    /// The lowest vertex equal to each vertex, 1 unsigned integer.
+    /// [`Mesh::from_vertices`](crate::mesh::Mesh::from_vertices) adds it to tell vertices at equal positions apart. In
+    /// levels the numbers are still the numbers of the input's vertices. Files leave it out.
     pub const VERTEX: &str = "vertex";
 
     /// Whether `name` is `first`, or `first` followed by digits: `uv`, `uv1`, `uv2` and so on.
@@ -220,6 +220,6 @@ impl Attribute {
         if !(1..=16).contains(&self.width) {
             return Err(MeshError::AttributeWidth { name: self.name.clone(), width: self.width });
         }
-        super::check_length(&self.name, self.values.len(), vertices * self.width)
+        super::triangle_mesh::check_length(&self.name, self.values.len(), vertices * self.width)
     }
 }

@@ -12,6 +12,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::sets::Sets;
+
 use super::edges::next_half_edge;
 use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
 
@@ -227,23 +229,15 @@ impl Facets {
     /// Returns the smoothing group of every corner, named by the group's lowest corner.
     fn groups(&self, angle: f32) -> Vec<u32> {
         let least = cos(f64::from(angle).max(FLAT_DEGREES));
-        let mut parent: Vec<u32> = (0..3 * self.normals.len() as u32).collect();
-        fn root(parent: &mut [u32], mut i: u32) -> u32 {
-            while parent[i as usize] != i {
-                parent[i as usize] = parent[parent[i as usize] as usize];
-                i = parent[i as usize];
-            }
-            i
-        }
+        let mut groups = Sets::new(3 * self.normals.len());
         self.for_smoothable(|a, b, turn| {
             if turn >= least {
                 for (a, b) in [(a, next_half_edge(b)), (next_half_edge(a), b)] {
-                    let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-                    parent[a.max(b) as usize] = a.min(b);
+                    groups.join(a, b);
                 }
             }
         });
-        (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
+        (0..groups.len() as u32).map(|corner| groups.find(corner)).collect()
     }
 
     /// Returns the unit normal of every group, stored at the group's lowest corner.

@@ -14,8 +14,8 @@
 //! Built by a counting sort over the low ends and a sort of each bucket: O(k log k) around a point of valence k. No
 //! hashing, so no hash order shows.
 
-use super::adjacency::prefix_sum;
 use super::{MAX_ELEMENTS, NONE};
+use crate::geometry::lists::prefix_sum;
 
 /// Every undirected edge once, with the half-edges along it. 16 bytes an edge and 4 a half-edge.
 ///

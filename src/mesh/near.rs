@@ -12,6 +12,8 @@
 //! more than the distance, however long a row of positions is. Cells are sorted, not hashed: no input makes them
 //! collide.
 
+use crate::geometry::boxes;
+
 use super::{Edges, Mesh, NONE, Topology};
 
 /// Border points merge only within this share of the shortest edge at either: far less than where a cut starts to
@@ -73,7 +75,7 @@ fn representatives(
         let mut look_at = |slot: usize| {
             let all = std::iter::successors(some(latest[slot]), |&r| some(earlier[r as usize]));
             for other in all.take(grid.most) {
-                let apart = apart(positions[other as usize], position);
+                let apart = boxes::distance(positions[other as usize], position);
                 let within = apart <= distance.min(reach(item)).min(reach(other as usize));
                 if within && nearest.is_none_or(|(least, r)| apart < least || apart == least && other < r) {
                     nearest = Some((apart, other));
@@ -101,10 +103,6 @@ fn representatives(
         }
     }
     representative
-}
-
-fn apart(a: [f32; 3], b: [f32; 3]) -> f64 {
-    (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Returns the twin of each point, or the point itself: an earlier point on an open border, within `distance` and
@@ -136,7 +134,7 @@ pub(crate) fn border_twins(
         for (i, &a) in corners.iter().enumerate() {
             let b = corners[(i + 1) % 3];
             if a != b && (looked_at[a as usize] || looked_at[b as usize]) {
-                let length = apart(place(a), place(b));
+                let length = boxes::distance(place(a), place(b));
                 for end in [a, b] {
                     shortest[end as usize] = shortest[end as usize].min(length);
                 }
@@ -162,7 +160,7 @@ pub(super) fn near_twins(mesh: &Mesh, topology: &Topology, edges: &Edges) -> (us
     let twin = border_twins(mesh, topology, |point| is_border[point as usize], distance);
     let place = |point: u32| mesh.positions()[topology.vertex_of_point()[point as usize] as usize];
     let pairs = || (0..).zip(&twin).filter(|&(point, &to)| point != to).map(|(point, &to)| [point, to]);
-    let farthest = pairs().map(|[point, to]| apart(place(point), place(to))).fold(0.0, f64::max);
+    let farthest = pairs().map(|[point, to]| boxes::distance(place(point), place(to))).fold(0.0, f64::max);
     (pairs().count(), farthest)
 }
 

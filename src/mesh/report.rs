@@ -11,6 +11,8 @@
 
 use std::fmt;
 
+use crate::geometry::sets::Sets;
+
 use super::edges::next_half_edge;
 use super::near::near_twins;
 use super::{Edges, Mesh, NONE, Topology, names};
@@ -274,36 +276,4 @@ fn seam_vertices(mesh: &Mesh, topology: &Topology) -> usize {
         }
     }
     seam.iter().filter(|&&s| s).count()
-}
-
-/// Disjoint sets, led by the lowest item: the result does not depend on the order of joining.
-struct Sets {
-    parent: Vec<u32>,
-}
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect() }
-    }
-
-    fn find(&mut self, mut item: u32) -> u32 {
-        loop {
-            let parent = self.parent[item as usize];
-            if parent == item {
-                return item;
-            }
-            let above = self.parent[parent as usize];
-            self.parent[item as usize] = above;
-            item = above;
-        }
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
-
-    fn count(&self) -> usize {
-        self.parent.iter().enumerate().filter(|&(item, &parent)| item as u32 == parent).count()
-    }
 }

@@ -9,6 +9,8 @@
 //! Points are exact (-0 equals 0): welding never moves a vertex. Wedges are equal bit for bit ([`Topology::new`]), or
 //! within tolerances ([`Topology::with`]).
 
+use crate::geometry::hash::mix;
+
 use super::tolerances::Comparison;
 use super::{Attribute, Mesh, NONE, Tolerances};
 
@@ -169,12 +171,6 @@ fn position_word(x: f32) -> u32 {
 fn hash(words: [u32; 3]) -> u64 {
     let low = u64::from(words[0]) | u64::from(words[1]) << 32;
     mix(mix(low) ^ u64::from(words[2]))
-}
-
-/// Multiply and fold the halves: every input bit reaches the low output bits.
-pub(super) fn mix(x: u64) -> u64 {
-    let product = u128::from(x ^ 0x9e37_79b9_7f4a_7c15) * 0xd6e8_feb8_6659_fd93_u128;
-    (product as u64) ^ (product >> 64) as u64
 }
 
 /// Returns, for each item, the lowest item equal to it. Open addressing over a table of at least twice as many slots.

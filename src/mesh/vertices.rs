@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use bytemuck::NoUninit;
 
-use super::topology::{group, mix};
+use super::topology::group;
 use super::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, Topology, names};
 use crate::error::MeshError;
+use crate::geometry::hash::mix;
 
 /// An index of a vertex buffer: `u16` or `u32`.
 pub trait Index: Copy + Into<u32> {}

@@ -12,9 +12,10 @@
 
 use glam::DVec3;
 
+use crate::geometry::bvh::Walker;
 use crate::mesh::Mesh;
 
-use super::{QualityError, bvh::Walker, maximum::largest, sums::Sums, surface::Surface};
+use super::{QualityError, maximum::largest, sums::Sums, surface::Surface};
 
 /// Number and seed of the samples of [`distance`] and related measures.
 #[derive(Debug, Clone, PartialEq)]

@@ -28,16 +28,14 @@
 
 use glam::DVec3;
 
+use crate::geometry::{
+    boxes,
+    bvh::{Bvh, Walker},
+    parallel::map_chunks,
+};
 use crate::mesh::Mesh;
 
-use super::{
-    Picture, QualityError,
-    bvh::{Bvh, Walker},
-    camera::axes,
-    map_chunks,
-    normals::smooth_normals,
-    sight::Sight,
-};
+use super::{Picture, QualityError, camera::axes, normals::smooth_normals, sight::Sight};
 
 /// Number of views for which the vertices of a subdivided icosahedron are used.
 const ICOSAHEDRAL: usize = 42;
@@ -285,7 +283,8 @@ pub fn image_difference(a: &Mesh, b: &Mesh, options: &ImageOptions) -> Result<Im
 }
 
 fn surface(mesh: &Mesh, which: &'static str) -> Result<Bvh, QualityError> {
-    Bvh::new(mesh).ok_or(QualityError::NoSurface { which, triangles: mesh.triangles().len() })
+    Bvh::new(mesh.positions(), mesh.triangles())
+        .ok_or(QualityError::NoSurface { which, triangles: mesh.triangles().len() })
 }
 
 /// Integer sums over pixels: the order of addition does not matter.
@@ -337,8 +336,7 @@ struct Frame {
 impl Frame {
     fn around(surface: &Bvh, views: usize, size: usize) -> Self {
         let corners = || (0..surface.len() as u32).flat_map(|slot| surface.corners(slot));
-        let (low, high) =
-            corners().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let [low, high] = boxes::around(corners());
         let centre = low + (high - low) * 0.5;
         let pixel = radius(surface, centre) * 2.0 * ROOM / size as f64;
         let views = directions(views).into_iter().map(|from| axes(-from, DVec3::Y)).collect();

@@ -2,10 +2,8 @@
 
 use glam::DVec3;
 
-use crate::mesh::{Mesh, crossing::triangles_cross};
-
-use super::bvh::Bvh;
-use super::map_chunks;
+use crate::geometry::{bvh::Bvh, crossing::triangles_cross, parallel::map_chunks};
+use crate::mesh::Mesh;
 
 /// Counts the pairs of crossing triangles of a mesh.
 ///
@@ -22,7 +20,7 @@ use super::map_chunks;
 /// assert_eq!(self_intersections(&shapes::shell(0, 0.999)), 0);
 /// ```
 pub fn self_intersections(mesh: &Mesh) -> u64 {
-    let Some(bvh) = Bvh::new(mesh) else { return 0 };
+    let Some(bvh) = Bvh::new(mesh.positions(), mesh.triangles()) else { return 0 };
     let counts = map_chunks(bvh.len(), 256, |slots| {
         let mut walker = bvh.walker();
         let mut count = 0;

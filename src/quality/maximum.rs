@@ -13,9 +13,9 @@
 
 use glam::DVec3;
 
-use super::{
+use crate::geometry::{
     bvh::{Bvh, Walker},
-    map_chunks,
+    parallel::map_chunks,
     triangle::{Corners, closest_on_triangle},
 };
 

@@ -4,9 +4,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `bvh.rs` | the surface in a hierarchy of boxes: nearest point, first hit of a ray |
 //! | `samples.rs` | points spread evenly over a surface |
-//! | `triangle.rs` | a triangle: nearest point, ray, angle and weights at a point |
 //! | `surface.rs` | [`Surface`]: a mesh prepared once for measuring |
 //! | `distance.rs` | [`distance()`]: Metro's two-sided distance between two meshes |
 //! | `maximum.rs` | branch and bound: the largest distance within a proven bound |
@@ -26,14 +24,11 @@
 //! | `picture.rs` | [`Picture`]: pixels, and pictures side by side |
 //! | `palette.rs` | [`palette`]: colours for numbers and for materials |
 //! | `error.rs` | [`QualityError`] |
-//! | `hash.rs` | hashes identical on every machine |
 
-mod bvh;
 mod camera;
 mod closed;
 mod distance;
 mod error;
-mod hash;
 mod images;
 mod intersections;
 mod maximum;
@@ -50,7 +45,6 @@ mod signed;
 mod sums;
 mod surface;
 mod texture;
-mod triangle;
 mod volume;
 
 pub use camera::Camera;
@@ -67,22 +61,3 @@ pub use signed::{SignedDistance, SignedOneSided, signed_distance, vertex_signed_
 pub use surface::Surface;
 pub use texture::{TextureDeviation, texture_deviation};
 pub use volume::{ShapeReport, area, volume, volume_ratio};
-
-/// Calls `work` for every chunk of `size` of `0..count`; results in order of the chunks. Uses all cores with feature
-/// `parallel`.
-pub(crate) fn map_chunks<T: Send>(
-    count: usize,
-    size: usize,
-    work: impl Fn(std::ops::Range<usize>) -> T + Sync,
-) -> Vec<T> {
-    let chunk = |index: usize| work(index * size..((index + 1) * size).min(count));
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        (0..count.div_ceil(size)).into_par_iter().map(chunk).collect()
-    }
-    #[cfg(not(feature = "parallel"))]
-    {
-        (0..count.div_ceil(size)).map(chunk).collect()
-    }
-}

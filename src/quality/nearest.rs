@@ -8,9 +8,12 @@
 
 use glam::DVec3;
 
-use super::{
-    DistanceOptions, QualityError, bvh::Bvh, surface::Surface, triangle::angle_at, triangle::weights_at,
+use crate::geometry::{
+    bvh::Bvh,
+    triangle::{angle_at, weights_at},
 };
+
+use super::{DistanceOptions, QualityError, surface::Surface};
 
 /// A point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,15 +4,13 @@
 
 use glam::DVec3;
 
-use crate::mesh::Mesh;
-
-use super::{
-    DistanceOptions, QualityError,
+use crate::geometry::{
     bvh::{Bvh, Walker},
-    sums::Sums,
-    surface::Surface,
     triangle::{angle_at, unit_normal},
 };
+use crate::mesh::Mesh;
+
+use super::{DistanceOptions, QualityError, sums::Sums, surface::Surface};
 
 /// Angles over the area of a surface, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::lists::Lists;
 use crate::mesh::{Mesh, Topology, names};
 
 /// Cosine of the angle between two triangles' normals below which an edge is a crease: 45 degrees.
@@ -26,26 +27,14 @@ pub(super) fn corner_normals(mesh: &Mesh) -> Vec<Vec3> {
 pub(super) fn smooth_normals(mesh: &Mesh, crease: f32) -> Vec<Vec3> {
     let faces = face_normals(mesh);
     let topology = Topology::new(mesh);
-    let point_of = |corner: usize| topology.point_of()[mesh.indices()[corner] as usize] as usize;
+    let point_of = |corner: usize| topology.point_of()[mesh.indices()[corner] as usize];
 
-    // Corners by point: count, sum up, fill.
-    let mut start = vec![0u32; topology.point_count() + 1];
-    (0..mesh.indices().len()).for_each(|corner| start[point_of(corner) + 1] += 1);
-    for i in 1..start.len() {
-        start[i] += start[i - 1];
-    }
-    let mut next = start.clone();
-    let mut corners = vec![0u32; mesh.indices().len()];
-    for corner in 0..corners.len() {
-        let slot = &mut next[point_of(corner)];
-        corners[*slot as usize] = corner as u32;
-        *slot += 1;
-    }
+    let by_point = (0..mesh.indices().len()).map(|corner| (point_of(corner), corner as u32));
+    let corners = Lists::from_pairs(topology.point_count(), by_point);
 
-    (0..corners.len())
+    (0..mesh.indices().len())
         .map(|corner| {
-            let point = point_of(corner);
-            let around = &corners[start[point] as usize..start[point + 1] as usize];
+            let around = corners.get(point_of(corner));
             let (own, area) = faces[corner / 3];
             if around.len() > CROWDED {
                 return own;

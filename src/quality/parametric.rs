@@ -10,15 +10,15 @@
 use glam::DVec3;
 
 use crate::{
+    geometry::{
+        parallel::map_chunks,
+        triangle::{Corners, has_area, normal},
+    },
     mesh::Mesh,
-    simplify::{CollapseSequence, Origin},
+    sequence::{CollapseSequence, Origin},
 };
 
-use super::{
-    QualityError, map_chunks,
-    surface::CHUNK,
-    triangle::{Corners, has_area, normal},
-};
+use super::{QualityError, surface::CHUNK};
 
 /// Distances of points from their images in a level, object units.
 #[derive(Debug, Clone, Copy, PartialEq)]

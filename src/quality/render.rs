@@ -12,17 +12,14 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::{
+    bvh::{Bvh, RayHit, Walker},
+    hash,
+    parallel::map_chunks,
+};
 use crate::mesh::Mesh;
 
-use super::{
-    Camera, Picture, QualityError,
-    bvh::{Bvh, RayHit, Walker},
-    camera::View,
-    hash, map_chunks,
-    normals::corner_normals,
-    palette,
-    sight::Sight,
-};
+use super::{Camera, Picture, QualityError, camera::View, normals::corner_normals, palette, sight::Sight};
 
 /// Most pixels on a side.
 const MAX_SIDE: usize = 1 << 14;
@@ -166,7 +163,7 @@ pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<P
         return Err(QualityError::ColourCount { what, found, expected });
     }
     let view = camera.view(width, height)?;
-    let bvh = Bvh::new(mesh);
+    let bvh = Bvh::new(mesh.positions(), mesh.triangles());
     let scene = bvh.as_ref().map(|bvh| Scene {
         mesh,
         sight: Sight {

@@ -11,7 +11,7 @@
 //! the curve cover equal areas. So each sample has its own piece of surface of equal area, across triangles of any
 //! size. Neighbours in order are neighbours in space, which speeds up the search for the nearest point.
 
-use super::hash;
+use crate::geometry::hash;
 
 /// Halvings of a triangle: its samples lie on a grid of 2^12 by 2^12 steps.
 const HALVINGS: u32 = 24;

@@ -4,7 +4,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::bvh::{Bvh, RayHit, Walker};
+use crate::geometry::bvh::{Bvh, RayHit, Walker};
 
 /// A surface and its shading normals.
 pub(super) struct Sight<'a> {

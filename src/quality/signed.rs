@@ -12,15 +12,17 @@
 
 use glam::DVec3;
 
+use crate::geometry::{
+    bvh::{Bvh, Walker},
+    parallel::map_chunks,
+    triangle::{angle_at, unit_normal},
+};
 use crate::mesh::{Mesh, Topology};
 
 use super::{
     DistanceOptions, QualityError,
-    bvh::{Bvh, Walker},
     closed::check_closed,
-    map_chunks,
     surface::{CHUNK, Surface, finite},
-    triangle::{angle_at, unit_normal},
 };
 
 /// Signed distance from a surface to a closed surface, object units, positive outside.

@@ -11,15 +11,18 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
+use crate::geometry::{
+    bvh::Bvh,
+    hash,
+    parallel::map_chunks,
+    triangle::{Corners, normal},
+};
 use crate::mesh::Mesh;
 
 use super::{
     DistanceOptions, QualityError,
-    bvh::Bvh,
-    hash, map_chunks,
     samples::{Shares, sierpinski},
     signed::Solid,
-    triangle::{Corners, normal},
 };
 
 /// Samples of a unit of work. The result depends on this number (order of sums), so the machine must not change it.
@@ -74,7 +77,8 @@ impl<'mesh> Surface<'mesh> {
     /// Prepares a mesh, called `which` in errors. O(n log n).
     pub(super) fn named(mesh: &'mesh Mesh, which: &'static str) -> Result<Self, QualityError> {
         let triangles = mesh.triangles().len();
-        let bvh = Bvh::new(mesh).ok_or(QualityError::NoSurface { which, triangles })?;
+        let bvh = Bvh::new(mesh.positions(), mesh.triangles())
+            .ok_or(QualityError::NoSurface { which, triangles })?;
         let (outline, solid) = (OnceLock::new(), OnceLock::new());
         Ok(Self { mesh, bvh, diagonal: mesh.diagonal(), outline, solid })
     }

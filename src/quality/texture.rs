@@ -2,15 +2,13 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::{Mesh, names};
-
-use super::{
-    DistanceOptions, QualityError,
+use crate::geometry::{
     bvh::Walker,
-    sums::Sums,
-    surface::Surface,
     triangle::{angle_at, weights_at},
 };
+use crate::mesh::{Mesh, names};
+
+use super::{DistanceOptions, QualityError, sums::Sums, surface::Surface};
 
 /// Differences of texture coordinates over the area of a surface, in texture units (1: the whole picture).
 #[derive(Debug, Clone, Copy, PartialEq)]

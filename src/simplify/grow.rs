@@ -12,10 +12,11 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::sets::Sets;
 use crate::mesh::{Attribute, AttributeValues, Mesh, NONE, Topology, names};
+use crate::sequence::CollapseSequence;
 
 use super::parts::Shape;
-use super::sequence::CollapseSequence;
 
 /// Number of picture cells along its longer side.
 const CELLS: usize = 1024;
@@ -305,16 +306,8 @@ fn log_of(x: f64) -> f64 {
 fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
     let topology = Topology::new(mesh);
     let point_of = topology.point_of();
-    let mut parent: Vec<u32> = (0..topology.point_count() as u32).collect();
-    fn find(parent: &mut [u32], mut point: u32) -> u32 {
-        while parent[point as usize] != point {
-            let above = parent[parent[point as usize] as usize];
-            parent[point as usize] = above;
-            point = above;
-        }
-        point
-    }
-    let mut used = vec![false; parent.len()];
+    let mut parts = Sets::new(topology.point_count());
+    let mut used = vec![false; parts.len()];
     for corners in mesh.triangles() {
         let [a, b, c] = corners.map(|v| point_of[v as usize]);
         if a == b || b == c || c == a {
@@ -322,20 +315,18 @@ fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
         }
         for other in [a, b, c] {
             used[other as usize] = true;
-            let (x, y) = (find(&mut parent, a), find(&mut parent, other));
-            parent[x.max(y) as usize] = x.min(y);
+            parts.join(a, other);
         }
     }
-    let mut number = vec![NONE; parent.len()];
+    let mut number = vec![NONE; parts.len()];
     let mut count = 0;
-    for point in 0..parent.len() as u32 {
-        if used[point as usize] && find(&mut parent, point) == point {
+    for point in 0..parts.len() as u32 {
+        if used[point as usize] && parts.find(point) == point {
             number[point as usize] = count;
             count += 1;
         }
     }
-    let of =
-        |&point: &u32| if used[point as usize] { number[find(&mut parent, point) as usize] } else { NONE };
+    let of = |&point: &u32| if used[point as usize] { number[parts.find(point) as usize] } else { NONE };
     (point_of.iter().map(of).collect(), count as usize)
 }
 

@@ -14,10 +14,12 @@
 //! Points are merged, never vertices, so nothing opens along a seam or between materials, and closed surfaces stay
 //! closed. Locks and the sides of triangles in texture space always hold.
 
-use super::classify::kind;
+use crate::sequence::GivenUp;
+
 use super::metric::Pair;
 use super::surface::WorkingSurface;
-use super::wedge_map::WedgeMap;
+use super::surface::classify::kind;
+use super::surface::wedge_map::WedgeMap;
 
 /// Whether seams, creases, material borders and the topology may give.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -38,27 +40,7 @@ pub enum Permissive {
     On,
 }
 
-/// Counts of collapses, by the rule given up for them.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct GivenUp {
-    /// A point left its seam, or wedges of a seam were chosen anew.
-    pub seams: u64,
-    /// A point left a seam made by normals alone, or wedges of such a seam were chosen anew.
-    pub creases: u64,
-    /// A point left its border between materials.
-    pub materials: u64,
-    /// The topology changed: a hole closed, a handle was cut, two sheets met.
-    pub topology: u64,
-}
-
 impl GivenUp {
-    /// Whether nothing was given up.
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-
     pub(super) fn add(&mut self, gives: u8) {
         self.seams += u64::from(gives & gives::SEAM != 0);
         self.creases += u64::from(gives & gives::CREASE != 0);

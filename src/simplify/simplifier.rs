@@ -3,17 +3,17 @@
 use std::ops::ControlFlow;
 
 use crate::mesh::{Mesh, Tolerances, names};
+use crate::sequence::{CollapseSequence, NormalsDone};
 
 use super::engine::{Engine, Plan};
 use super::metric::{Batch, ErrorMetric, Quadric, WithAttributes};
-use super::normals::{Normals, NormalsDone};
+use super::normals::Normals;
 use super::options::{
     AttributeWeights, ErrorMeasure, Guard, Independence, Limits, OptionError, Order, Parts, Progress, Target,
 };
 use super::oracle::{Oracle, default_oracles};
 use super::permissive::{Permissive, Schedule};
 use super::placement::Placement;
-use super::sequence::CollapseSequence;
 
 /// Simplifies meshes: pluggable metric, placement, order and oracles.
 ///

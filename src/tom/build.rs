@@ -1,8 +1,9 @@
 //! From a collapse sequence to the total order: number vertices by reverse removal, sort triangles by when they vanish.
 
+use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Mesh, NONE};
-use crate::simplify::CollapseSequence;
-use crate::simplify::collapse_forest::CollapseForest;
+use crate::sequence::CollapseSequence;
+use crate::sequence::collapse_forest::CollapseForest;
 
 use super::{ErrorMark, TomError, TotallyOrderedMesh};
 
@@ -95,9 +96,7 @@ fn sort_by_end(ends: &[u32], steps: usize) -> (Vec<u32>, u32) {
     for &end in ends.iter().filter(|&&end| end != 0) {
         start[bucket(end) + 1] += 1;
     }
-    for b in 1..start.len() {
-        start[b] += start[b - 1];
-    }
+    prefix_sum(&mut start);
     let base = start[1];
     let mut order = vec![0; start.last().map_or(0, |&n| n as usize)];
     for (t, &end) in ends.iter().enumerate().filter(|&(_, &end)| end != 0) {

@@ -1,7 +1,7 @@
 //! Checks for every promise of a totally ordered mesh, and conversion from and to its plain parts.
 
 use crate::mesh::MAX_ELEMENTS;
-use crate::simplify::collapse_forest::{Forest, is_degenerate};
+use crate::sequence::collapse_forest::{Forest, is_degenerate};
 
 use super::{ErrorMark, TomError, TotallyOrderedMesh};
 

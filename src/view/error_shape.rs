@@ -13,6 +13,8 @@
 //! smaller than B's. Vectors are given in the plane of the axis, by their lengths along the axis (`h`) and across it
 //! (`t`).
 
+use crate::geometry::rounding;
+
 use glam::DVec3;
 
 /// Kind of a bound around error vectors, round about the cone's axis.
@@ -125,7 +127,7 @@ impl Fit {
     pub fn sizes(&self) -> [f32; 2] {
         let Self { shape, high, wide, ratios, across, .. } = self;
         if *wide <= 0.0 {
-            return [round_up(*high), 0.0];
+            return [rounding::up(*high), 0.0];
         }
         let [along, across] = match shape {
             ErrorShape::Spheroid if *high <= 0.0 => [0.0, *wide],
@@ -139,7 +141,7 @@ impl Fit {
             }
             ErrorShape::SphereAndCones => [across[0] * ratios[0], across[0]],
         };
-        [round_up(along), round_up(across)]
+        [rounding::up(along), rounding::up(across)]
     }
 }
 
@@ -150,13 +152,6 @@ const RATIO_POWERS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 /// Returns the length as a finite number, not negative. NaN becomes `f32::MAX`.
 fn number(length: f64) -> f64 {
     length.abs().min(f64::from(f32::MAX))
-}
-
-/// Rounds up to single precision.
-fn round_up(x: f64) -> f32 {
-    let rounded = x as f32;
-    let rounded = if f64::from(rounded) < x { rounded.next_up() } else { rounded };
-    rounded.min(f32::MAX)
 }
 
 /// Cosine and sine of the angle from the axis to where flanks from a tip touch the ball.
@@ -333,7 +328,7 @@ impl Shape {
                 };
             }
         }
-        let mut sizes = [round_up(along.max(self.along)), round_up(across.max(self.across))];
+        let mut sizes = [rounding::up(along.max(self.along)), rounding::up(across.max(self.across))];
         for _ in 0..4 {
             if Self::new(self.kind, self.axis, sizes[0], sizes[1]).holds(other) {
                 break;

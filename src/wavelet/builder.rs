@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::lod::{Baked, Mixture, Origins, Progress};
 use crate::mesh::{Mesh, Topology};
 
-use super::build::SubdivisionBuilder;
+use super::subdivision::build::SubdivisionBuilder;
 use super::{WaveletError, WaveletMesh, WaveletOptions};
 
 /// A new vertex: the midpoint of an edge.
@@ -119,7 +119,7 @@ impl WaveletBuilder {
             let position = place(&Midpoint { level: level + 1, ends, positions, middle });
             if !position.iter().all(|x| x.is_finite()) {
                 let vertex = vertex as usize;
-                return Err(crate::MeshError::NonFinitePosition { vertex, position }.into());
+                return Err(crate::error::MeshError::NonFinitePosition { vertex, position }.into());
             }
             self.positions.push(position);
         }

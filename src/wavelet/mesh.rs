@@ -3,15 +3,16 @@
 use std::ops::ControlFlow;
 
 use crate::adapt::Refinements;
+use crate::geometry::boxes;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE, Topology, Used};
 use crate::view::DeviationBounds;
 
 use super::bounds::{WaveletBounds, bounds};
-use super::build::{Part, SubdivisionBuilder};
-use super::quadrisection::Quadrisection;
+use super::instance::surface::WaveletSurface;
+use super::recognise::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
-use super::surface::WaveletSurface;
+use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Share of the build time spent on finding the connectivity.
@@ -210,19 +211,12 @@ impl WaveletMesh {
 
     /// Finds the box around all vertices. Every vertex is used by a face.
     pub(super) fn measure(&mut self) {
-        let mut positions = self.vertices.positions().iter();
-        let first = positions.next().copied();
-        self.set_box(first.map(|first| {
-            positions.fold([first; 2], |[low, high], p| {
-                [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
-            })
-        }));
+        self.set_box(boxes::around_any(self.vertices.positions().iter().copied()));
     }
 
     pub(super) fn set_box(&mut self, extent: Option<[[f32; 3]; 2]>) {
-        let [low, high] = extent.unwrap_or_default();
         self.extent = extent;
-        self.diagonal = (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt();
+        self.diagonal = boxes::diagonal(extent.unwrap_or_default());
     }
 
     /// The connectivity.

@@ -5,7 +5,7 @@
 
 use crate::adapt::Refinements;
 
-use super::use_counts::{UseCounts, UseSink};
+use super::instance::use_counts::{UseCounts, UseSink};
 use super::{Subdivision, Triangulation, WaveletMesh};
 
 impl WaveletMesh {

@@ -12,11 +12,12 @@
 //! checked to be nested, so a cut is closed.
 
 use crate::adapt::Refinements;
+use crate::geometry::parallel;
 use crate::mesh::NONE;
 
-use super::build::{Part, SubdivisionBuilder};
 use super::mesh::MOST_MATERIALS;
 use super::parts::{beside as beside_of, seams, sides, split};
+use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::subdivision::{MOST_ALONG, MOST_FACES};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
@@ -189,22 +190,11 @@ impl WaveletMesh {
             let bounds = Refinements::bounds(self, wavelet);
             of.parents_of(wavelet).any(|parent| !Refinements::bounds(self, parent).contains(&bounds))
         };
-        match first(of.wavelet_count() as u32, sticks_out) {
+        match parallel::first(of.wavelet_count() as u32, sticks_out) {
             Some(wavelet) => broken("bounds that are not within a parent's, of wavelet", wavelet as usize),
             None => Ok(()),
         }
     }
-}
-
-/// Returns the first number in `0..count` for which `holds` is true.
-fn first(count: u32, holds: impl Fn(u32) -> bool + Sync + Send) -> Option<u32> {
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        (0..count).into_par_iter().find_first(|&at| holds(at))
-    }
-    #[cfg(not(feature = "parallel"))]
-    (0..count).find(|&at| holds(at))
 }
 
 fn broken<T>(what: &'static str, at: usize) -> Result<T, WaveletError> {

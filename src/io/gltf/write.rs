@@ -11,9 +11,10 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 
-use super::semantic;
 use crate::io::error::WriteError;
 use crate::mesh::{Attribute, AttributeValues, Mesh, names};
+
+use super::semantics::semantic;
 
 /// Most materials: each takes an entry in the document, with or without a name.
 const MAX_MATERIALS: u32 = 1 << 16;

@@ -2,9 +2,11 @@
 //!
 //! Counts are as declared; `body.rs` checks them against the bytes present.
 
-use super::MATERIAL_COMMENT;
 use crate::io::error::ReadError;
 use crate::io::text::{Lines, integer, quoted, words};
+
+/// Keyword of header comments holding material names.
+pub(super) const MATERIAL_COMMENT: &str = "material_name";
 
 /// Encoding of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

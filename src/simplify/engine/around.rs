@@ -1,11 +1,11 @@
 //! Updates after a collapse: candidates around it become stale, cheaper or awake.
 
 use crate::mesh::NONE;
+use crate::simplify::metric::{Dependence, ErrorMetric, Pair};
+use crate::simplify::options::{Independence, Order};
 
-use super::super::candidates::{Best, NO_BEST};
-use super::super::metric::{Dependence, ErrorMetric, Pair};
-use super::super::options::{Independence, Order};
-use super::{Engine, state};
+use super::candidates::{Best, NO_BEST};
+use super::driver::{Engine, state};
 
 impl<M: ErrorMetric> Engine<'_, M> {
     /// Updates the candidates around a merged point, or marks them stale.

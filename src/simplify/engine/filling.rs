@@ -4,7 +4,7 @@
 //! mesh beside the cheapest. So a batch ends before: on scans the largest error of the first level is then 1.4 to 3 times the
 //! error of linear order instead of 2 to 10 times, and its mean within 1.1 of it from the second level on.
 
-use crate::simplify::queue::CLASSES_PER_OCTAVE;
+use super::queue::CLASSES_PER_OCTAVE;
 
 /// Share of the triangles at which a batch is full.
 const FULL: f64 = 0.59;

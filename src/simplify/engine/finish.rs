@@ -1,13 +1,13 @@
 //! End of a simplification: counts refusals among the remaining candidates; builds the sequence with its report.
 
 use crate::mesh::Mesh;
+use crate::sequence::{CollapseSequence, Refusal, SimplifyReport, StopReason};
+use crate::simplify::metric::ErrorMetric;
 
-use super::super::candidates::Candidate;
-use super::super::metric::ErrorMetric;
-use super::super::reorder;
-use super::super::report::{Refusal, SimplifyReport, StopReason};
-use super::super::sequence::CollapseSequence;
-use super::{Engine, Legal, state};
+use super::attempt::Legal;
+use super::candidates::Candidate;
+use super::driver::{Engine, state};
+use super::reorder;
 
 impl<M: ErrorMetric> Engine<'_, M> {
     /// Counts, per oracle, the candidates of the final mesh first refused by it; and the candidates which would leave

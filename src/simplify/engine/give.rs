@@ -4,9 +4,10 @@
 //! A kind gives when nothing else is left, or from a given number of triangles on. If it should have begun earlier, the
 //! simplification starts over with its number of triangles ([`Schedule`]).
 
-use super::super::classify::kind;
-use super::super::metric::ErrorMetric;
-use super::super::permissive::{Giving, Permissive, Schedule};
+use crate::simplify::metric::ErrorMetric;
+use crate::simplify::permissive::{Giving, Permissive, Schedule};
+use crate::simplify::surface::classify::kind;
+
 use super::Engine;
 
 impl<M: ErrorMetric> Engine<'_, M> {

@@ -6,13 +6,14 @@
 
 use glam::Vec3;
 
-use super::super::candidates::Best;
-use super::super::metric::{ErrorMetric, Pair};
-use super::super::oracle::{Collapse, Reads};
-use super::{Engine, state};
+use crate::simplify::metric::{ErrorMetric, Pair};
+use crate::simplify::oracle::{Collapse, Reads};
+
+use super::candidates::Best;
+use super::driver::{Engine, state};
 
 /// A point with more triangles is a hub.
-pub(in super::super) const HUB: usize = 64;
+pub(super) const HUB: usize = 64;
 /// A hub is looked at again after valence / SHARE changes.
 const SHARE: usize = 16;
 

@@ -14,15 +14,16 @@
 
 use glam::Vec3;
 
+use crate::geometry::triangle::distance_squared_single;
 use crate::mesh::NONE;
+use crate::simplify::metric::{ErrorMetric, Pair, VanishingLoss};
+use crate::simplify::options::Order;
+use crate::simplify::oracle::Collapse;
+use crate::simplify::parts::Parts;
+use crate::simplify::surface::WorkingSurface;
 
-use super::super::candidates::Candidate;
-use super::super::metric::{ErrorMetric, Pair, VanishingLoss};
-use super::super::options::Order;
-use super::super::oracle::Collapse;
-use super::super::parts::Parts;
-use super::super::surface::WorkingSurface;
-use super::{Engine, state};
+use super::candidates::Candidate;
+use super::driver::{Engine, state};
 
 /// Maximum number of triangles of a remnant.
 const REMNANT: u32 = 10;
@@ -400,29 +401,11 @@ fn nearest_triangle(
         tried.push(point);
         for corner in surface.star(point) {
             let [a, b] = corner.others.map(|p| surface.at(p));
-            let distance = distance_squared(position, [surface.at(point), a, b]);
+            let distance = distance_squared_single([surface.at(point), a, b], position);
             if (distance, corner.triangle) < best {
                 best = (distance, corner.triangle);
             }
         }
     }
     if best.0 == f32::INFINITY { (found.first().map_or(0.0, |f| f.0), NONE) } else { best }
-}
-
-/// Returns the squared distance from a point to a triangle: to its plane where the point lies over the triangle, else
-/// to a side.
-fn distance_squared(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
-    let normal = (b - a).cross(c - a);
-    let sides = [(a, b), (b, c), (c, a)];
-    if normal != Vec3::ZERO && sides.iter().all(|&(u, v)| normal.cross(v - u).dot(p - u) >= 0.0) {
-        let height = normal.dot(p - a);
-        return height * height / normal.length_squared();
-    }
-    let to_side = |&(u, v): &(Vec3, Vec3)| {
-        let (side, to) = (v - u, p - u);
-        let t = to.dot(side) / side.length_squared();
-        let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
-        (to - t * side).length_squared()
-    };
-    sides.iter().map(to_side).fold(f32::INFINITY, f32::min)
 }

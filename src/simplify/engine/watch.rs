@@ -1,9 +1,8 @@
 //! The guard during a simplification: limits the error by the number of triangles left.
 
-use glam::Vec3;
-
-use super::super::options::{ErrorMeasure, Guard};
-use super::super::surface::WorkingSurface;
+use crate::geometry::boxes;
+use crate::simplify::options::{ErrorMeasure, Guard};
+use crate::simplify::surface::WorkingSurface;
 
 /// Limit of [`Guard`], and refusals.
 pub(super) struct Watch {
@@ -57,8 +56,6 @@ impl Watch {
 /// Returns the diagonal of the box around all points used by triangles, inner units.
 fn diagonal(surface: &WorkingSurface) -> f32 {
     let used = (0..surface.point_count() as u32).filter(|&point| surface.valence(point) > 0);
-    let (low, high) = used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
-        (low.min(surface.at(point)), high.max(surface.at(point)))
-    });
+    let [low, high] = boxes::around(used.map(|point| surface.at(point)));
     if low.x <= high.x { low.distance(high) } else { 0.0 }
 }

@@ -16,15 +16,16 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::mesh::{Attribute, Mesh, names};
+use crate::simplify::options::OptionError;
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::classify::kind;
+use crate::simplify::surface::wedge_map::WedgeMap;
+
 use super::{
     AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions,
     VanishingLoss,
 };
-use crate::mesh::{Attribute, Mesh, names};
-use crate::simplify::classify::kind;
-use crate::simplify::options::OptionError;
-use crate::simplify::surface::WorkingSurface;
-use crate::simplify::wedge_map::WedgeMap;
 
 /// The attributes counted by collapse costs, and their weights.
 ///

@@ -6,9 +6,10 @@
 
 use glam::Vec3;
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{finite, swept_by_rims};
 use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the area swept by rims, relative to the squared length.
 const RIM: f64 = 64.0;

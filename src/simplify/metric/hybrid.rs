@@ -7,12 +7,13 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{
     Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::unsigned_volume::{swept, swept_to_kept};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::WorkingSurface;
 
 /// The unsigned swept volume times the largest deviation of a normal.
 #[derive(Debug, Clone, Copy, Default)]

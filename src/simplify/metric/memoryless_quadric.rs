@@ -5,11 +5,12 @@
 
 use glam::Vec3;
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{at, finite};
 use super::solve::nearest_minimum;
 use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the planes upright on borders, feature edges and creases, relative to triangles of equal area.
 const UPRIGHT: f64 = 4.0;

@@ -2,11 +2,12 @@
 
 use std::fmt;
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::{
     AttributeQuadric, AttributeSum, Batch, Dependence, EdgeLength, ErrorMetric, Pair, Substitutions,
     VanishingLoss,
 };
-use crate::simplify::surface::WorkingSurface;
 
 /// A metric chosen anew for each batch.
 ///

@@ -11,11 +11,12 @@ use std::fmt;
 
 use glam::{DVec3, Vec3};
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{at, finite, for_region};
 use super::solve::{Symmetric, nearest_minimum};
 use super::stars::{StarSums, Sum, Weight};
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the planes upright on borders, feature edges and creases, relative to the plane of a triangle.
 const UPRIGHT: f64 = 4.0;

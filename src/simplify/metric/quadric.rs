@@ -10,10 +10,11 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::geometry::lanes::Lanes;
+use crate::simplify::surface::WorkingSurface;
+
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair};
-use crate::simplify::lanes::Lanes;
-use crate::simplify::surface::WorkingSurface;
 
 /// A sum of weighted squared distances to planes, relative to an origin known to its owner. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

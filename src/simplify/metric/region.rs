@@ -10,10 +10,11 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::curves::Rim;
+
 use super::solve::{Symmetric, nearest_minimum};
 use super::{AttributeQuadric, ErrorMetric, Pair};
-use crate::simplify::curves::Rim;
-use crate::simplify::surface::WorkingSurface;
 
 /// A triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
 #[derive(Debug, Clone, Copy)]

@@ -12,10 +12,12 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::parallel;
+use crate::simplify::surface::WorkingSurface;
+
 use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
-use crate::simplify::surface::WorkingSurface;
 
 /// Weight of the plane of a triangle, as a length of its normal `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,22 +90,12 @@ impl StarSums {
 
     /// Sums up every star. O(n).
     pub fn build(&mut self, surface: &WorkingSurface) {
-        let normal = |t: u32| {
-            let points = surface.triangle(t).map(|points| points.map(|p| at(surface, p)));
+        let normal = |t: usize| {
+            let points = surface.triangle(t as u32).map(|points| points.map(|p| at(surface, p)));
             points.map_or(Vec3::ZERO, |[p, q, r]| self.weight.apply((q - p).cross(r - p)).as_vec3())
         };
-        let (triangles, points) = (0..surface.triangle_count() as u32, 0..surface.point_count() as u32);
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            self.normals = triangles.into_par_iter().with_min_len(4096).map(normal).collect();
-            self.stars = points.into_par_iter().with_min_len(4096).map(|p| self.sum(surface, p)).collect();
-        }
-        #[cfg(not(feature = "parallel"))]
-        {
-            self.normals = triangles.map(normal).collect();
-            self.stars = points.map(|p| self.sum(surface, p)).collect();
-        }
+        self.normals = parallel::map(surface.triangle_count(), 4096, normal);
+        self.stars = parallel::map(surface.point_count(), 4096, |p| self.sum(surface, p as u32));
     }
 
     /// Recomputes the sums changed by a collapse into `kept`: the stars of `kept` and of its neighbours.

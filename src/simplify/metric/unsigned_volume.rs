@@ -13,11 +13,12 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{
     at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
-use crate::simplify::surface::WorkingSurface;
 
 /// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
 #[derive(Debug, Clone, Copy, Default)]

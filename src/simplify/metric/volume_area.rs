@@ -14,11 +14,12 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::simplify::surface::WorkingSurface;
+
 use super::region::{
     Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
 };
 use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
-use crate::simplify::surface::WorkingSurface;
 
 /// The penalty of TOM: volume and area change, made for [`Placement::Endpoint`](crate::simplify::Placement::Endpoint).
 #[derive(Debug, Clone, Copy, Default)]

@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use crate::mesh::NONE;
+use crate::wavelet::subdivision::build::Part;
 
-use super::super::build::Part;
 use super::super::{Subdivision, WaveletError, WaveletMesh};
 
 /// Nodes of a subdivision: base nodes first, then level by level, so ends come before midpoints.

@@ -135,8 +135,8 @@ fn sum_up(counts: &mut [usize]) {
 /// # Ok::<(), multires::wavelet::WaveletError>(())
 /// ```
 pub fn l2_error(subdivision: &Subdivision, width: usize, a: &[f32], b: &[f32]) -> Result<f64, WaveletError> {
-    super::check_length(a.len(), subdivision.vertex_count(), width)?;
-    super::check_length(b.len(), subdivision.vertex_count(), width)?;
+    super::wavelet_transform::check_length(a.len(), subdivision.vertex_count(), width)?;
+    super::wavelet_transform::check_length(b.len(), subdivision.vertex_count(), width)?;
     for wavelet in 0..subdivision.wavelet_count() as u32 {
         if subdivision.faces_along(wavelet).any(|side| !subdivision.is_split(side.face())) {
             let what = "faces along an edge are not split equally deep: that of the wavelet";

@@ -1,0 +1,396 @@
+//! Builds a subdivision level by level: the faces to split, and the new edges.
+//!
+//! Edges of each level are numbered anew: the halves of edges with a wavelet, and three inside every split face. Each
+//! edge runs in a single direction, its wavelet's: on the base from the lower end, a half as its whole edge, an inside
+//! edge as the side of the central child.
+
+use crate::mesh::{Edges, NONE};
+use crate::wavelet::WaveletError;
+use crate::wavelet::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
+
+/// A subdivision under construction. All faces to split in a level are given before the next level.
+#[derive(Debug)]
+pub(crate) struct SubdivisionBuilder {
+    done: Subdivision,
+    split_faces: Vec<u32>,
+    /// Per face of the last level its edges. `against`: whether a side and its edge run in opposite directions.
+    edges: Vec<[u32; 3]>,
+    against: Vec<[bool; 3]>,
+    edge_count: usize,
+    /// Per edge of the last level whether it is on a seam of the base.
+    seam: Vec<bool>,
+    /// Edges of the last level on the sides of unsplit coarser faces, with these sides.
+    coarser: Vec<(u32, Side)>,
+}
+
+impl SubdivisionBuilder {
+    /// Creates a builder. `corners`: vertices of the base faces. `points`: corners with a single number for each
+    /// position. `midpoints`: per side of a face to be split, a number telling apart sides with the same ends, or `NONE`.
+    pub fn new(
+        corners: Vec<[u32; 3]>,
+        vertex_count: usize,
+        points: &[[u32; 3]],
+        midpoints: &[[u32; 3]],
+    ) -> Result<Self, WaveletError> {
+        check_faces(corners.len())?;
+        let point_count = points.as_flattened().iter().max().map_or(0, |&max| max as usize + 1);
+        let by_ends = Edges::new(points, point_count);
+        let ends = by_ends.of_half_edges(points.len());
+        // Several edges may have the same ends.
+        let mut keys: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * points.len());
+        for (face, edges) in ends.iter().enumerate() {
+            for (side, &edge) in edges.iter().enumerate() {
+                let middle = midpoints.get(face).map_or(NONE, |sides| sides[side]);
+                // A face with a repeated point does not share the edge.
+                let alone = if edge == NONE { 3 * face as u32 + side as u32 } else { NONE };
+                keys.push(([edge, if edge == NONE { alone } else { middle }], 3 * face as u32 + side as u32));
+            }
+        }
+        keys.sort_unstable();
+        let mut edges = vec![[NONE; 3]; corners.len()];
+        let mut edge_count = 0;
+        for same in keys.chunk_by(|a, b| a.0 == b.0) {
+            if same.len() > MOST_ALONG {
+                let triangle = (same[0].1 / 3) as usize;
+                return Err(WaveletError::TooManyAlongEdge {
+                    triangle,
+                    count: same.len(),
+                    limit: MOST_ALONG,
+                });
+            }
+            same.iter().for_each(|key| edges.as_flattened_mut()[key.1 as usize] = edge_count as u32);
+            edge_count += 1;
+        }
+        let runs = |p: &[u32; 3]| [0, 1, 2].map(|k| p[k] > p[(k + 1) % 3]);
+        let against: Vec<[bool; 3]> = points.iter().map(runs).collect();
+        Ok(Self::with_edges(corners, vertex_count as u32, edges, against, edge_count))
+    }
+
+    /// Creates a builder from the edges of the base faces. Per side its edge (never twice on a face, at most
+    /// [`MOST_ALONG`] times in all), and whether the side runs against the edge.
+    pub fn with_edges(
+        corners: Vec<[u32; 3]>,
+        vertex_count: u32,
+        edges: Vec<[u32; 3]>,
+        against: Vec<[bool; 3]>,
+        edge_count: usize,
+    ) -> Self {
+        // An edge is a seam if its two ends, in order, are not the same vertices in all faces.
+        let mut seam = vec![false; edge_count];
+        let mut first = vec![[NONE; 2]; edge_count];
+        for face in 0..corners.len() {
+            for k in 0..3 {
+                let [a, b] = [corners[face][k], corners[face][(k + 1) % 3]];
+                let ends = if against[face][k] { [b, a] } else { [a, b] };
+                let edge = edges[face][k] as usize;
+                if first[edge] == [NONE; 2] {
+                    first[edge] = ends;
+                }
+                seam[edge] |= first[edge] != ends;
+            }
+        }
+        let count = corners.len() as u32;
+        let done = Subdivision {
+            base_sides: vec![[NONE; 3]; corners.len()],
+            base: corners,
+            base_vertices: vertex_count,
+            face_levels: vec![0, count],
+            levels: vec![0],
+            ..Subdivision::default()
+        };
+        Self { done, split_faces: Vec::new(), edges, against, edge_count, seam, coarser: Vec::new() }
+    }
+
+    /// Returns the subdivision so far, without splits of the last level.
+    pub fn subdivision(&self) -> &Subdivision {
+        &self.done
+    }
+
+    /// Returns the faces of the last level.
+    pub fn last_level(&self) -> std::ops::Range<u32> {
+        self.done.faces_of(self.done.depth())
+    }
+
+    /// Marks the seam edges of split faces.
+    fn interior_seams(&self, split: &[bool]) -> Vec<bool> {
+        let mut interior_seams = vec![false; self.edge_count];
+        for (edges, _) in self.edges.iter().zip(split).filter(|(_, split)| **split) {
+            edges.iter().for_each(|&edge| interior_seams[edge as usize] = self.seam[edge as usize]);
+        }
+        interior_seams
+    }
+
+    /// Returns the first face of the last level split only because of a face across a seam. O(faces of the level).
+    pub fn first_dragged(&self, split: &[bool]) -> Option<u32> {
+        if !self.seam.contains(&true) {
+            return None;
+        }
+        let interior_seams = self.interior_seams(split);
+        let is_torn = |(edges, split): (&[u32; 3], &bool)| {
+            !*split && edges.iter().any(|&edge| interior_seams[edge as usize])
+        };
+        let at = self.edges.iter().zip(split).position(is_torn)?;
+        Some(self.last_level().start + at as u32)
+    }
+
+    /// Also splits the faces across a seam from split faces, so each side of a seam has its own vertices.
+    fn close(&self, split: &mut [bool]) {
+        if !self.seam.contains(&true) {
+            return;
+        }
+        loop {
+            let interior_seams = self.interior_seams(split);
+            let mut more = false;
+            for (edges, split) in self.edges.iter().zip(split.iter_mut()) {
+                if !*split && edges.iter().any(|&edge| interior_seams[edge as usize]) {
+                    (*split, more) = (true, true);
+                }
+            }
+            if !more {
+                return;
+            }
+        }
+    }
+
+    /// Splits the given faces of the last level, and faces across seams from them. `false`: no face was split.
+    pub fn split(&mut self, mut split: Vec<bool>) -> Result<bool, WaveletError> {
+        self.close(&mut split);
+        self.split_only(&split)
+    }
+
+    /// Splits only the given faces of the last level. `false`: no face was split.
+    pub fn split_only(&mut self, split: &[bool]) -> Result<bool, WaveletError> {
+        let faces = self.last_level();
+        let new: Vec<u32> = (faces.clone()).zip(split).filter(|(_, split)| **split).map(|(f, _)| f).collect();
+        if new.is_empty() {
+            return Ok(false);
+        }
+        if self.done.depth() == MOST_LEVELS {
+            let (count, limit) = (MOST_LEVELS + 1, MOST_LEVELS);
+            return Err(WaveletError::TooMany { what: "levels", count, limit });
+        }
+        let end = faces.end as usize + 4 * new.len();
+        check_faces(end)?;
+
+        // Wavelets, in the order of the faces.
+        let first = self.done.along.len() as u32;
+        let mut wavelet_on = vec![NONE; self.edge_count];
+        let mut wavelets = 0;
+        for &face in &new {
+            let sides = self.edges[(face - faces.start) as usize].map(|edge| {
+                let wavelet = &mut wavelet_on[edge as usize];
+                if *wavelet == NONE {
+                    *wavelet = first + wavelets;
+                    wavelets += 1;
+                }
+                *wavelet
+            });
+            self.done.sides.push(sides);
+        }
+        let mut coarser: Vec<(u32, Side)> = Vec::new();
+        self.done.along.resize((first + wavelets) as usize, [Side::NONE; 2]);
+        for face in faces.clone() {
+            let at = (face - faces.start) as usize;
+            for k in 0..3 {
+                let wavelet = wavelet_on[self.edges[at][k] as usize];
+                if faces.start == 0 {
+                    self.done.base_sides[at][k] = wavelet;
+                }
+                if wavelet == NONE {
+                    continue;
+                }
+                let side = Side::new(face, k, self.against[at][k]);
+                self.add(wavelet, side);
+                if !split[at] {
+                    coarser.push((wavelet, side));
+                }
+            }
+        }
+        for (edge, side) in std::mem::take(&mut self.coarser) {
+            let wavelet = wavelet_on[edge as usize];
+            if wavelet != NONE {
+                self.add(wavelet, side);
+                coarser.push((wavelet, side));
+            }
+        }
+        let halves = |&(wavelet, side): &(u32, Side)| [0, 1].map(|half| (2 * (wavelet - first) + half, side));
+        self.coarser = coarser.iter().flat_map(halves).collect();
+
+        // Faces and edges of the next level.
+        let inside = 2 * wavelets;
+        let mut edges = Vec::with_capacity(4 * new.len());
+        let mut against = Vec::with_capacity(4 * new.len());
+        let mut seam = vec![false; inside as usize + 3 * new.len()];
+        for (rank, &face) in new.iter().enumerate() {
+            let at = (face - faces.start) as usize;
+            let whole = self.edges[at];
+            let runs = self.against[at];
+            let half = |k: usize, half: u32| {
+                2 * (wavelet_on[whole[k] as usize] - first) + (half ^ u32::from(runs[k]))
+            };
+            let inner = |k: usize| inside + 3 * rank as u32 + k as u32;
+            for i in 0..3 {
+                let j = (i + 2) % 3;
+                edges.push([half(i, 0), inner(j), half(j, 1)]);
+                against.push([runs[i], true, runs[j]]);
+            }
+            edges.push([0, 1, 2].map(inner));
+            against.push([false; 3]);
+            for k in 0..3 {
+                let on = self.seam[whole[k] as usize];
+                [0, 1].into_iter().for_each(|h| seam[half(k, h) as usize] = on);
+            }
+        }
+        self.edge_count = seam.len();
+        (self.edges, self.against, self.seam) = (edges, against, seam);
+        self.split_faces.extend(new);
+        self.done.face_levels.push(end as u32);
+        self.done.levels.push(first + wavelets);
+        self.done.split_count = self.split_faces.len() as u32;
+        self.index();
+        Ok(true)
+    }
+
+    fn add(&mut self, wavelet: u32, side: Side) {
+        let [one, two] = &mut self.done.along[wavelet as usize];
+        if *one == Side::NONE {
+            *one = side;
+        } else if *two == Side::NONE {
+            *two = side;
+        } else {
+            self.done.more.push((wavelet, side));
+        }
+    }
+
+    /// Updates the index of split faces.
+    fn index(&mut self) {
+        let done = &mut self.done;
+        // If exactly the first faces are split, their numbers tell so: no index needed.
+        if self.split_faces.last().is_some_and(|&last| last as usize + 1 == self.split_faces.len()) {
+            return;
+        }
+        let words = done.face_levels.last().map_or(0, |&end| end as usize).div_ceil(64);
+        done.split.clear();
+        done.split.resize(words, 0);
+        for &face in &self.split_faces {
+            done.split[face as usize / 64] |= 1 << (face % 64);
+        }
+        done.before.clear();
+        let mut count = 0;
+        for word in &done.split {
+            done.before.push(count);
+            count += word.count_ones();
+        }
+        done.split_faces.clone_from(&self.split_faces);
+    }
+
+    /// Returns the subdivision, with a single vertex per wavelet.
+    pub fn finish_without_seams(self) -> Subdivision {
+        let mut done = self.done;
+        done.more.sort_unstable_by_key(|more| (more.0, more.1.0));
+        done
+    }
+
+    /// Returns the subdivision. `key` tells apart the vertices at the midpoint of a split face's side, as its children
+    /// have them: at the first half, at the second half, and at the centre. Children along the same edge with equal keys
+    /// share a vertex.
+    pub fn finish<K: PartialEq>(self, key: impl Fn(&Subdivision, u32, usize, Part) -> K) -> Subdivision {
+        let mut done = self.finish_without_seams();
+        // Across a seam faces are split together.
+        done.tell_apart(
+            |of, along| of.is_split(along.face()),
+            |of, _, face, side, part| key(of, face, side, part),
+        );
+        done
+    }
+
+    /// Returns the subdivision, like `finish`, where unsplit faces may be beside seams too: `key` is also called for
+    /// their sides, for each wavelet there.
+    pub fn finish_beside<K: PartialEq>(
+        self,
+        key: impl Fn(&Subdivision, u32, u32, usize, Part) -> K,
+    ) -> Subdivision {
+        let mut done = self.finish_without_seams();
+        done.tell_apart(|_, _| true, key);
+        done
+    }
+}
+
+impl Subdivision {
+    /// Gives each wavelet a vertex for every distinct key of the `looked_at` sides along its edge. `key` gets wavelet,
+    /// face, side and part. For an unsplit face `key` returns the first side's key, or a key of no other side.
+    pub(crate) fn tell_apart<K: PartialEq>(
+        &mut self,
+        looked_at: impl Fn(&Self, Side) -> bool,
+        key: impl Fn(&Self, u32, u32, usize, Part) -> K,
+    ) {
+        let first = (self.base_vertices as usize + self.along.len()) as u32;
+        let mut known: Vec<(K, u32)> = Vec::new();
+        for wavelet in 0..self.along.len() as u32 {
+            known.clear();
+            let sides: Vec<Side> = self.faces_along(wavelet).filter(|&side| looked_at(self, side)).collect();
+            let mut interior_seams = false;
+            for along in sides {
+                let (face, side) = (along.face(), along.side());
+                let vertices = Part::ALL.map(|part| {
+                    let key = key(self, wavelet, face, side, part);
+                    let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
+                        let own = if known.is_empty() {
+                            self.vertex_of(wavelet)
+                        } else {
+                            self.seam_vertices.push((wavelet, along));
+                            first + self.seam_vertices.len() as u32 - 1
+                        };
+                        known.push((key, own));
+                        known.len() - 1
+                    });
+                    known[at].1
+                });
+                if !self.is_split(face) {
+                    continue;
+                }
+                interior_seams |= vertices.iter().any(|&vertex| vertex != vertices[0]);
+                for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
+                    if vertex != self.vertex_of(wavelet) {
+                        let (child, corner) = part.corner(side);
+                        self.seams.push((self.child(face, child) << 2 | corner as u32, vertex));
+                        self.mark_seam(face, side);
+                    }
+                }
+            }
+            if interior_seams {
+                self.interior_seams.push(wavelet);
+            }
+        }
+        self.seams.sort_unstable();
+    }
+}
+
+/// Children of a split face meeting at the midpoint of a side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    First,
+    Second,
+    Centre,
+}
+
+impl Part {
+    pub const ALL: [Self; 3] = [Self::First, Self::Second, Self::Centre];
+
+    /// Returns the child, and its corner at the midpoint of the side.
+    pub fn corner(self, side: usize) -> (usize, usize) {
+        match self {
+            Self::First => (side, 1),
+            Self::Second => ((side + 1) % 3, 2),
+            Self::Centre => (3, side),
+        }
+    }
+}
+
+fn check_faces(count: usize) -> Result<(), WaveletError> {
+    if count > MOST_FACES {
+        Err(WaveletError::TooMany { what: "faces", count, limit: MOST_FACES })
+    } else {
+        Ok(())
+    }
+}
