@@ -9,6 +9,8 @@
 //!            +--------------------o--> triangles
 //! ```
 
+use crate::gmesh::Gmesh;
+
 use super::error::ControlError;
 
 /// Levels of a model: triangles and errors. Made once for each model, shared by its objects.
@@ -61,6 +63,16 @@ impl Ladder {
         let mut ladder = Self::default();
         ladder.set(levels)?;
         Ok(ladder)
+    }
+
+    /// Creates the ladder of a geomorph mesh's levels.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set); never for a mesh built from a sequence.
+    pub fn of_gmesh(gmesh: &Gmesh) -> Result<Self, ControlError> {
+        let levels: Vec<(usize, f32)> =
+            gmesh.levels().iter().map(|level| (level.triangles, level.error)).collect();
+        Self::new(&levels)
     }
 
     /// Exchanges the levels. Allocates only for more levels than before.

@@ -8,6 +8,8 @@
 //!                           R1      R2                  level i is drawn from R_i to below R_(i+1)
 //! ```
 
+use crate::gmesh::{Gmesh, Partition};
+
 use super::controllable::{Controllable, Crossing, Toward};
 use super::error::ControlError;
 
@@ -45,6 +47,16 @@ impl Stairs {
             stairs.triangles.push(count);
         }
         Ok(stairs)
+    }
+
+    /// Creates the stairs of a geomorph mesh, divided by a partition of T of its levels.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); never for the partition of a mesh built from a sequence.
+    pub fn of_gmesh(gmesh: &Gmesh, partition: &Partition) -> Result<Self, ControlError> {
+        let begins = partition.starts().iter().zip(gmesh.levels());
+        let levels: Vec<(f32, usize)> = begins.map(|(&begin, level)| (begin, level.triangles)).collect();
+        Self::new(&levels)
     }
 
     /// Returns the number of levels, at least 1.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::adapt::Blend;
+use crate::geometry::boxes;
 use crate::lod::{
     Baked, Builder, Extracted, FromSequence, Level, LodError, LodOptions, Origins, Progress, Structure,
     Values, Vertex, VertexRank,
@@ -111,13 +112,8 @@ impl Structure for Gmesh {
     }
 
     fn extent(&self, vertices: &Mesh) -> Option<[[f32; 3]; 2]> {
-        let boxes =
-            (0..self.groups()).filter_map(|group| vertices.box_of(self.triangles(0, group).as_flattened()));
-        boxes.reduce(|[low, high], [l, h]| {
-            let both =
-                |f: fn(f32, f32) -> f32, a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| f(a[i], b[i]));
-            [both(f32::min, low, l), both(f32::max, high, h)]
-        })
+        let corners = (0..self.groups()).flat_map(|group| self.triangles(0, group).as_flattened());
+        boxes::around_any(corners.map(|&v| vertices.positions()[v as usize]))
     }
 
     fn vertex_ranks(&self) -> Vec<VertexRank> {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
 
 /// What shrinking needs to know of a sequence, by the numbers of its forest.
@@ -69,11 +70,11 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
     /// Returns the part of every number, named by a number; `NONE` where no triangle is. Vertices made by merges belong to the
     /// part of what was merged.
     fn parts(&self, count: usize) -> Vec<u32> {
-        let mut leader: Vec<u32> = (0..count as u32).collect();
+        let mut sets = Sets::new(count);
         let mut used: Vec<u32> = self.drawn.iter().flat_map(|(_, corners)| *corners).collect();
         for (_, [a, b, c]) in self.drawn {
-            join(&mut leader, *a, *b);
-            join(&mut leader, *b, *c);
+            sets.join(*a, *b);
+            sets.join(*b, *c);
         }
         used.sort_unstable();
         used.dedup();
@@ -82,12 +83,12 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
         used.sort_by_cached_key(place);
         for pair in used.windows(2) {
             if place(&pair[0]) == place(&pair[1]) {
-                join(&mut leader, pair[0], pair[1]);
+                sets.join(pair[0], pair[1]);
             }
         }
         let mut part_of = vec![NONE; count];
         for &number in &used {
-            part_of[number as usize] = find(&mut leader, number);
+            part_of[number as usize] = sets.find(number);
         }
         for number in (0..count as u32).rev() {
             let parent = (self.parent)(number);
@@ -97,18 +98,4 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
         }
         part_of
     }
-}
-
-fn find(leader: &mut [u32], mut at: u32) -> u32 {
-    while leader[at as usize] != at {
-        leader[at as usize] = leader[leader[at as usize] as usize];
-        at = leader[at as usize];
-    }
-    at
-}
-
-fn join(leader: &mut [u32], a: u32, b: u32) {
-    let [a, b] = [find(leader, a), find(leader, b)];
-    // The lower number leads, so that the result does not depend on the order.
-    leader[a.max(b) as usize] = a.min(b);
 }
