@@ -1,6 +1,6 @@
 //! Promise: controllers allocate nothing once warm.
 
-#[path = "support/crowd.rs"]
+#[path = "../examples/support/crowd.rs"]
 mod crowd;
 
 use crowd::{Crowd, circle, stairs, through};

@@ -1,7 +1,7 @@
 //! Promise: a bias of all parameters holds the triangles of a crowd near a number, moving as little as it must and no faster than
 //! it may.
 
-#[path = "support/crowd.rs"]
+#[path = "../examples/support/crowd.rs"]
 mod crowd;
 
 use crowd::{Crowd, FRAMES, Pose, circle, stairs, through};

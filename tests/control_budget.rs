@@ -1,6 +1,6 @@
 //! Promise: a budget of triangles is never exceeded, its split is within 5 % of the best, and a still scene does not flicker.
 
-#[path = "support/crowd.rs"]
+#[path = "../examples/support/crowd.rs"]
 mod crowd;
 
 use crowd::Random;
