@@ -222,8 +222,8 @@ impl SceneBudget {
             rounds += 1;
             if pending > 0 {
                 // The factor is judged by all that it asks for.
-                [total, _] = pass(objects, |object| object.settle(false));
-                self.scene.observe(self.factor, total);
+                let [asked, _] = pass(objects, |object| object.settle(false));
+                self.scene.observe(self.factor, asked);
             }
             // The first rounds trust the estimate.
             let spare = aim as f64 * 0.9_f64.powi(rounds as i32 - 1);
