@@ -84,8 +84,10 @@ impl Crowd {
     }
 }
 
-/// The paths by name.
-pub const PATHS: [(&str, fn(usize) -> Pose); 2] = [("circle", circle), ("through the middle", through)];
+/// The paths by name, each with the triangles wanted along it: 0.85 of what the circle shows without control, and a number between the
+/// least and the most of the way through.
+pub const PATHS: [(&str, fn(usize) -> Pose, usize); 2] =
+    [("circle", circle, 500_000), ("through the middle", through, 120_000)];
 
 /// A flight along a path under control of a bias, of the objects as they are: triangles drawn and the bias, a frame each.
 /// `change` limits the bias's change in a frame; `None`: no control.

@@ -4,15 +4,18 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use multires::VertexHierarchy;
+use criterion::measurement::WallTime;
+use criterion::{
+    BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
+};
 use multires::control::{
     Bias, BiasOptions, Budget, BudgetOptions, Ladder, LadderObject, SceneBudget, SceneObject, SceneOptions,
     StairObject, Stairs,
 };
-use multires::lod::{Lod, LodOptions, Structure};
+use multires::lod::{Lod, LodOptions, Structure, VertexBuffer};
 use multires::mesh::shapes;
 use multires::view::{ObjectView, View, look_at};
+use multires::{Gmesh, TotallyOrderedMesh, VertexHierarchy};
 
 const LEVELS: [usize; 7] = [10_000, 5_200, 2_700, 1_400, 730, 380, 200];
 const SIZES: [usize; 2] = [1_000, 100_000];
@@ -132,9 +135,63 @@ fn terrain(_: &mut Criterion) {
     }
 }
 
+/// A frame of 1,000 instances of one model: level and slices, no upload.
+fn instances(c: &mut Criterion) {
+    let rock = shapes::rock(10_000, 5);
+    let views: Vec<ObjectView> = (0..20)
+        .map(|frame| {
+            let eye = [0.0, 0.2, 2.0 + 0.5 * frame as f32];
+            let view = View::perspective(look_at(eye, [0.0; 3], [0.0, 1.0, 0.0]), 1.0, [1920, 1080]).unwrap();
+            view.with_tolerance_px(1.0).of_world()
+        })
+        .collect();
+    let shared = LodOptions::default().with_buffer(VertexBuffer::Shared);
+    let mut group = c.benchmark_group("1,000 instances");
+    fn fly<L: Lod>(
+        group: &mut BenchmarkGroup<'_, WallTime>,
+        name: &str,
+        mut lods: Vec<L>,
+        views: &[ObjectView],
+    ) {
+        let mut frame = 0;
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                frame += 1;
+                let mut triangles = 0;
+                for (i, lod) in lods.iter_mut().enumerate() {
+                    // Each has its own way, forth and back.
+                    let at = (frame / 4 + i) % (2 * views.len());
+                    let view = &views[at.min(2 * views.len() - 1 - at)];
+                    lod.adapt(std::slice::from_ref(view), 1.0 / 60.0);
+                    triangles += lod.draws().map(|draw| draw.indices.len()).sum::<usize>();
+                    lod.clean();
+                }
+                black_box(triangles)
+            });
+        });
+    }
+    let gmesh = Gmesh::bake(&rock).unwrap();
+    let values = gmesh.arrange(rock.positions()).unwrap();
+    fly(
+        &mut group,
+        "g-mesh",
+        (0..1_000).map(|_| gmesh.instance(values.clone(), &shared).unwrap()).collect(),
+        &views,
+    );
+    let tom = TotallyOrderedMesh::bake(&rock).unwrap();
+    let values = tom.arrange(rock.positions()).unwrap();
+    fly(
+        &mut group,
+        "tom",
+        (0..1_000).map(|_| tom.instance(values.clone(), &shared).unwrap()).collect(),
+        &views,
+    );
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(2));
-    targets = steps, terrain
+    targets = steps, terrain, instances
 }
 criterion_main!(benches);

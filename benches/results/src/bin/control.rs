@@ -24,7 +24,6 @@ use multires_results::chart::{Panel, svg};
 use multires_results::say;
 
 const USAGE: &str = "usage: control [--out DIR]";
-const WANTED: usize = 1_000_000;
 const COLOURS: [&str; 3] = ["#8a919c", "#2563c9", "#c9432a"];
 
 fn main() -> ExitCode {
@@ -55,19 +54,22 @@ fn bias(out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let mut panels = Vec::new();
     let mut csv = "path,frame,uncontrolled,slow,quick,bias_slow,bias_quick\n".to_owned();
     let titles = ["Circle: thousands of triangles drawn", "Through the middle: thousands of triangles drawn"];
-    writeln!(says, "{WANTED} triangles wanted, give or take {tolerance}")?;
-    for ((name, path), title) in crowd::PATHS.into_iter().zip(titles) {
-        let runs = [None, Some(0.01), Some(0.1)].map(|change| crowd::biased(&stairs, path, change, WANTED));
+    for ((name, path, wanted), title) in crowd::PATHS.into_iter().zip(titles) {
+        let runs = [None, Some(0.01), Some(0.1)].map(|change| crowd::biased(&stairs, path, change, wanted));
         for frame in 0..crowd::FRAMES {
             let [(a, _), (b, slow), (c, quick)] = [0, 1, 2].map(|run: usize| runs[run][frame]);
             writeln!(csv, "{name},{frame},{a},{b},{c},{slow:.4},{quick:.4}")?;
         }
         for (run, name) in runs.iter().zip(names) {
             let outside = |from: usize| {
-                run.iter().skip(from).filter(|frame| frame.0.abs_diff(WANTED) > tolerance).count()
+                run.iter().skip(from).filter(|frame| frame.0.abs_diff(wanted) > tolerance).count()
             };
-            let above = run.iter().filter(|frame| frame.0 > WANTED + tolerance).count();
-            writeln!(says, "{title}; {name}: {} frames outside after the tenth, {above} above", outside(10))?;
+            let above = run.iter().filter(|frame| frame.0 > wanted + tolerance).count();
+            writeln!(
+                says,
+                "{title}, {wanted} wanted, within {tolerance}; {name}: {} frames outside after the tenth, {above} above",
+                outside(10)
+            )?;
         }
         let lines = runs.iter().zip(names).zip(COLOURS).map(|((run, name), colour)| {
             (name, colour, run.iter().map(|frame| frame.0 as f64 * 1e-3).collect())
