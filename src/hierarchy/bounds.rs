@@ -42,66 +42,13 @@ impl Region {
 /// Computes the bounds of every split. `error` is each split's own error. O(triangles + hops of all leaves to their
 /// roots).
 pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error: &[f32]) -> Vec<Bounds> {
-    let position = |v: u32| DVec3::from_array(positions[v as usize].map(f64::from));
     let count = error.len();
-
-    // Triangles of the input around every leaf.
-    let leaves = hierarchy.leaves as usize;
-    let mut around = vec![Region::EMPTY; leaves];
-    let normals: Vec<DVec3> = hierarchy
-        .triangles
-        .iter()
-        .map(|corners| {
-            let [a, b, c] = corners.map(position);
-            let normal = (b - a).cross(c - a);
-            let region = Region { low: a.min(b).min(c), high: a.max(b).max(c), normal };
-            corners.iter().for_each(|&leaf| around[leaf as usize].join(&region));
-            normal.normalize_or_zero()
-        })
-        .collect();
-
-    // Per split, its own leaves. Leaves into which nothing was merged lie in no child's bounds.
-    let mut own = vec![Region::EMPTY; count];
-    for leaf in 0..leaves as u32 {
-        let split = hierarchy.split_of[leaf as usize];
-        if split != u32::MAX {
-            own[split as usize].join(&around[leaf as usize]);
-        }
-    }
-    let mut region = own.clone();
-    for split in (0..count as u32).rev() {
-        for child in hierarchy.children(split) {
-            let child = region[child as usize];
-            region[split as usize].join(&child);
-        }
-    }
-
-    let mut parametric = vec![0.0_f64; count];
-    for leaf in 0..leaves as u32 {
-        let from = position(leaf);
-        let mut vertex = leaf;
-        while !hierarchy.is_root(vertex) {
-            let far = &mut parametric[hierarchy.split_of[vertex as usize] as usize];
-            vertex = hierarchy.substitute[vertex as usize];
-            *far = far.max(from.distance(position(vertex)));
-        }
-    }
-
-    // Angle of every split's axis to the normals around its own leaves.
+    let (around, normals) = around_leaves(hierarchy, positions);
+    let own = own_regions(hierarchy, &around, count);
+    let region = nested_regions(hierarchy, &own);
+    let parametric = parametric_errors(hierarchy, positions, count);
     let axis: Vec<DVec3> = region.iter().map(|r| r.normal.normalize_or_zero()).collect();
-    let mut angle = vec![0.0_f64; count];
-    for (corners, &normal) in hierarchy.triangles.iter().zip(&normals) {
-        if normal == DVec3::ZERO {
-            continue;
-        }
-        for &leaf in corners {
-            let split = hierarchy.split_of[leaf as usize];
-            if split != u32::MAX {
-                let to = &mut angle[split as usize];
-                *to = to.max(angle_between(axis[split as usize], normal));
-            }
-        }
-    }
+    let angle = cone_angles(hierarchy, &normals, &axis);
 
     let mut all = vec![Bounds::new([0.0; 3], 0.0, 0.0, 0.0); count];
     for split in (0..count as u32).rev() {
@@ -127,6 +74,84 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
             .with_cone(axis[s].to_array(), wide + 1e-6);
     }
     all
+}
+
+fn at(positions: &[[f32; 3]], vertex: u32) -> DVec3 {
+    DVec3::from_array(positions[vertex as usize].map(f64::from))
+}
+
+/// Returns the region of the input's triangles around every leaf, and the unit normal of every triangle.
+fn around_leaves(hierarchy: &VertexHierarchy, positions: &[[f32; 3]]) -> (Vec<Region>, Vec<DVec3>) {
+    let mut around = vec![Region::EMPTY; hierarchy.leaves as usize];
+    let normals = hierarchy
+        .triangles
+        .iter()
+        .map(|corners| {
+            let [a, b, c] = corners.map(|leaf| at(positions, leaf));
+            let normal = (b - a).cross(c - a);
+            let region = Region { low: a.min(b).min(c), high: a.max(b).max(c), normal };
+            corners.iter().for_each(|&leaf| around[leaf as usize].join(&region));
+            normal.normalize_or_zero()
+        })
+        .collect();
+    (around, normals)
+}
+
+/// Returns, per split, the region of its own leaves. Leaves into which nothing was merged lie in no child's bounds.
+fn own_regions(hierarchy: &VertexHierarchy, around: &[Region], count: usize) -> Vec<Region> {
+    let mut own = vec![Region::EMPTY; count];
+    for leaf in 0..hierarchy.leaves {
+        let split = hierarchy.split_of[leaf as usize];
+        if split != u32::MAX {
+            own[split as usize].join(&around[leaf as usize]);
+        }
+    }
+    own
+}
+
+/// Returns, per split, its own region joined with its children's.
+fn nested_regions(hierarchy: &VertexHierarchy, own: &[Region]) -> Vec<Region> {
+    let mut region = own.to_vec();
+    for split in (0..own.len() as u32).rev() {
+        for child in hierarchy.children(split) {
+            let child = region[child as usize];
+            region[split as usize].join(&child);
+        }
+    }
+    region
+}
+
+/// Returns, per split, the largest distance of a leaf from the vertex that takes its place without the split.
+fn parametric_errors(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], count: usize) -> Vec<f64> {
+    let mut parametric = vec![0.0_f64; count];
+    for leaf in 0..hierarchy.leaves {
+        let from = at(positions, leaf);
+        let mut vertex = leaf;
+        while !hierarchy.is_root(vertex) {
+            let far = &mut parametric[hierarchy.split_of[vertex as usize] as usize];
+            vertex = hierarchy.substitute[vertex as usize];
+            *far = far.max(from.distance(at(positions, vertex)));
+        }
+    }
+    parametric
+}
+
+/// Returns, per split, the largest angle of its axis to the normals around its own leaves, radians.
+fn cone_angles(hierarchy: &VertexHierarchy, normals: &[DVec3], axis: &[DVec3]) -> Vec<f64> {
+    let mut angle = vec![0.0_f64; axis.len()];
+    for (corners, &normal) in hierarchy.triangles.iter().zip(normals) {
+        if normal == DVec3::ZERO {
+            continue;
+        }
+        for &leaf in corners {
+            let split = hierarchy.split_of[leaf as usize];
+            if split != u32::MAX {
+                let to = &mut angle[split as usize];
+                *to = to.max(angle_between(axis[split as usize], normal));
+            }
+        }
+    }
+    angle
 }
 
 /// Returns a sphere around a split's own region and its children's spheres. Tries two centres: the middle of the box, and
