@@ -275,12 +275,15 @@ impl<V: Vertex> Lod for TomLod<V> {
         let motion = Whole::motion(views, &self.views);
         self.views.clear();
         self.views.extend_from_slice(views);
-        let level = match self.whole.allowed(views, self.factor) {
-            Allowed::Nothing => Level::Ratio(1.0),
-            Allowed::Error(error) => Level::Error(error),
-            Allowed::Anything => Level::Vertices(0),
+        let tom = self.tom();
+        let vertices = match self.whole.allowed(views, self.factor) {
+            Allowed::Nothing => tom.finest().vertices,
+            Allowed::Error(error) => tom.vertices_within(error),
+            Allowed::Anything => tom.base_vertices,
         };
-        let wanted = self.within_limit(self.tom().at(level));
+        // To count the triangles of a resolution takes longer than all the rest of a still frame.
+        let wanted = if vertices == self.wanted.vertices { self.wanted } else { tom.resolution(vertices) };
+        let wanted = self.within_limit(wanted);
         let diagonal = f64::from(self.whole.diagonal());
         let progress =
             self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));

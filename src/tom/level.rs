@@ -55,15 +55,19 @@ impl TotallyOrderedMesh {
                 let most = count.min(self.substitute.len());
                 self.resolution(self.boundary_at_most(most as u32))
             }
-            Level::Error(error) => match self.error_marks.iter().find(|mark| mark.error <= error) {
-                Some(mark) => self.resolution(mark.vertices),
-                None => self.finest(),
-            },
+            Level::Error(error) => self.resolution(self.vertices_within(error)),
             Level::Ratio(ratio) => {
                 // The cast takes NaN and negative ratios to 0; beyond 1 all is drawn.
                 self.at_triangles((f64::from(ratio) * self.triangles.len() as f64) as usize)
             }
         }
+    }
+
+    /// Returns the vertices of the coarsest resolution known to be within an error. O(log marks).
+    pub(super) fn vertices_within(&self, error: f32) -> u32 {
+        // Bounds fall from mark to mark. The comparison is false for NaN.
+        let above = self.error_marks.partition_point(|mark| !(mark.error <= error));
+        self.error_marks.get(above).map_or(self.substitute.len() as u32, |mark| mark.vertices)
     }
 
     /// Returns the next coarser resolution: a group of vertices less. `None` at the base.
