@@ -84,10 +84,10 @@ impl Crowd {
     }
 }
 
-/// The paths by name, each with the triangles wanted along it: 0.85 of what the circle shows without control, and a number between the
-/// least and the most of the way through.
+/// The paths by name, each with the triangles wanted along it: 0.85 of what the circle shows without control, and more than all objects
+/// of the way through have at their coarsest.
 pub const PATHS: [(&str, fn(usize) -> Pose, usize); 2] =
-    [("circle", circle, 500_000), ("through the middle", through, 120_000)];
+    [("circle", circle, 500_000), ("through the middle", through, 250_000)];
 
 /// A flight along a path under control of a bias, of the objects as they are: triangles drawn and the bias, a frame each.
 /// `change` limits the bias's change in a frame; `None`: no control.
