@@ -26,10 +26,15 @@ fn stage(gpu: &Gpu, structure: StructureKind) -> Stage {
 
 /// A frame on a way around the scene.
 fn frame(stage: &mut Stage, frame: usize) -> Adapted {
+    frame_within(stage, frame, 1.0)
+}
+
+/// The same with a tolerance, pixels.
+fn frame_within(stage: &mut Stage, frame: usize, tolerance: f32) -> Adapted {
     let (centre, diagonal) = (stage.scene().centre(), stage.scene().diagonal());
     let orbit = Orbit::framing(centre, 0.4 * diagonal, LENS.field_of_view, false);
     let pose = Orbit { around: 0.01 * frame as f64, distance: 0.5 * diagonal, ..orbit }.pose();
-    let views = [pose.view(&LENS, &Tolerances::default()).unwrap()];
+    let views = [pose.view(&LENS, &Tolerances::default().with_anywhere(tolerance)).unwrap()];
     stage.frame(&views, None, Overlays::default(), STEP).adapted
 }
 
@@ -83,6 +88,8 @@ fn a_frame_time_is_kept() {
 fn a_bias_holds_a_number_from_both_sides() {
     let Some(gpu) = open("a_bias_holds_a_number_from_both_sides") else { return };
     let mut stage = stage(&gpu, StructureKind::Gmesh);
+    // Levels between the finest and the coarsest.
+    let frame = |stage: &mut Stage, at| frame_within(stage, at, 12.0);
     let free = frame(&mut stage, 0).change.triangles;
     let gmesh: &Gmesh = stage.scene().model().gmesh().unwrap().structure();
     let step = gmesh.levels().windows(2).map(|pair| pair[0].triangles - pair[1].triangles).max().unwrap();

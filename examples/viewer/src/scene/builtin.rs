@@ -25,7 +25,7 @@ const CROWD: usize = 1_000;
 /// Triangles of the coarsest level of the crowd's objects.
 const CROWD_COARSEST: usize = 200;
 /// Mean distance from an object of the crowd to the next, object units. A rock is 2 wide.
-const CROWD_SPACING: f32 = 2.7;
+const CROWD_SPACING: f32 = 3.0;
 
 impl Builtin {
     /// Its mesh, with about so many triangles where that can be chosen: for wavelets the nearest number for which coarse faces
@@ -66,11 +66,16 @@ impl Builtin {
         (self == Self::Crowd).then_some(CROWD_COARSEST)
     }
 
-    /// The first look at the scene, y up: all of it, or from the rim of the crowd over its middle.
+    /// The first look at the scene, y up: all of it, or the crowd from its rim.
     pub fn orbit(self, centre: [f64; 3], diagonal: f64, field_of_view: f64) -> Orbit {
         let all = Orbit::framing(centre, 0.4 * diagonal, field_of_view, false);
         match self {
-            Self::Crowd => Orbit { distance: 0.37 * diagonal, above: 0.16, ..all },
+            Self::Crowd => {
+                let (sin, cos) = all.around.sin_cos();
+                let near = glam::DVec3::new(sin, 0.0, cos) * (0.17 * diagonal);
+                let target = (glam::DVec3::from_array(centre) + near).to_array();
+                Orbit { target, distance: 0.22 * diagonal, above: 0.33, ..all }
+            }
             _ => all,
         }
     }

@@ -99,7 +99,7 @@ enum Active {
     #[default]
     Off,
     Triangles(SceneBudget),
-    Time(FrameTime, SceneBudget),
+    Time(Box<FrameTime>, SceneBudget),
     Bias(Box<Parameters>),
 }
 
@@ -138,7 +138,7 @@ impl Control {
                 *active = match controller {
                     Controller::Off => Active::Off,
                     Controller::Triangles => Active::Triangles(budget()?),
-                    Controller::Time => Active::Time(FrameTime::new(time, triangles)?, budget()?),
+                    Controller::Time => Active::Time(Box::new(FrameTime::new(time, triangles)?), budget()?),
                     Controller::Bias => {
                         let gmesh = gmesh.ok_or(SceneControlError::NoGmesh)?;
                         Active::Bias(Box::new(Parameters::new(gmesh, triangles)?))
