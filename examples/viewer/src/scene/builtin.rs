@@ -14,7 +14,7 @@ pub enum Builtin {
     Terrain,
     /// 289 instances of one rock.
     Rocks,
-    /// 1,000 instances of one rock on a disc, of 10,000 triangles each unless told otherwise, down to 200.
+    /// 1,000 instances of one rock on a disc, each of about 10,000 triangles unless told otherwise, down to 200.
     Crowd,
 }
 
