@@ -26,7 +26,7 @@ fn main() -> Result<(), multires::Error> {
     let simplifier = Gmesh::simplifier().target(Target::Triangles(200));
     let model = GmeshBuilder::new().simplifier(simplifier).bake(&rock)?;
     let gmesh = model.structure();
-    let partition = Partition::by_volume(gmesh);
+    let partition = Partition::by_error(gmesh);
     let stairs = Stairs::of_gmesh(gmesh, &partition)?;
     let levels: Vec<String> = gmesh.levels().iter().map(|level| level.triangles.to_string()).collect();
     println!("levels of {} triangles", levels.join(", "));

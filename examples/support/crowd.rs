@@ -5,7 +5,7 @@
 
 use multires::control::{Bias, BiasOptions, Sight, StairObject, Stairs, Stress, StressFrame, StressOptions};
 
-/// Triangles of the levels, finest first; a seventh of the parameter each.
+/// Triangles of the levels, finest first; a sixth of the parameter each.
 pub const LEVELS: [usize; 7] = [10_000, 5_200, 2_700, 1_400, 730, 380, 200];
 pub const FRAMES: usize = 120;
 

@@ -81,7 +81,8 @@ impl Blend for f32 {
             // Blending equal values must not round.
             *self
         } else {
-            (1.0 - t) * self + t * other
+            // Rounding does not lead beyond either.
+            ((1.0 - t) * self + t * other).max(self.min(*other)).min(self.max(*other))
         }
     }
 

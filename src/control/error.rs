@@ -20,6 +20,14 @@ pub enum ControlError {
         /// The given time, seconds.
         seconds: f64,
     },
+    /// A partition has another number of levels than the geomorph mesh.
+    #[error("the partition has {found} levels, the geomorph mesh {expected}")]
+    Levels {
+        /// Levels of the partition.
+        found: usize,
+        /// Levels of the mesh.
+        expected: usize,
+    },
     /// There are no levels.
     #[error("there are no levels: at least 1 is needed")]
     NoLevels,

@@ -52,8 +52,13 @@ impl Stairs {
     /// Creates the stairs of a geomorph mesh, divided by a partition of T of its levels.
     ///
     /// # Errors
-    /// As [`new`](Self::new); never for the partition of a mesh built from a sequence.
+    /// As [`new`](Self::new), never for a mesh built from a sequence and its own partition; a partition of another number of
+    /// levels ([`ControlError::Levels`]).
     pub fn of_gmesh(gmesh: &Gmesh, partition: &Partition) -> Result<Self, ControlError> {
+        let (found, expected) = (partition.starts().len(), gmesh.levels().len());
+        if found != expected {
+            return Err(ControlError::Levels { found, expected });
+        }
         let begins = partition.starts().iter().zip(gmesh.levels());
         let levels: Vec<(f32, usize)> = begins.map(|(&begin, level)| (begin, level.triangles)).collect();
         Self::new(&levels)

@@ -23,7 +23,7 @@ pub enum GmeshError {
         /// Number needed, or the most supported.
         expected: usize,
     },
-    /// A level has more vertices than the level before it, an error that falls or is no number, or a volume that is none.
+    /// A level has more vertices than the level before it, or an error that is smaller, negative or not finite.
     #[error("level {level} has more vertices, or a smaller error, than the level before it")]
     Level {
         /// Index of the level.

@@ -15,39 +15,51 @@ use crate::lod::{
 use crate::mesh::{Mesh, NONE};
 use crate::view::ObjectView;
 
-use super::{Gmesh, Morph, Partition};
+use super::{Gmesh, Morph};
 
-/// Data shared by instances: the model's sphere, and positions of errors.
+/// Share of the errors between two levels over which the finer turns into the coarser.
+const WAY: f64 = 0.5;
+
+/// Data shared by instances: the model's sphere, and the levels' errors.
 #[derive(Debug, Clone)]
 pub struct Table {
     whole: Whole,
-    partition: Partition,
-    /// Error at T = 1, object units: no state has a larger error than its T times this.
-    reach: f64,
+    /// Never falling.
+    errors: Vec<f32>,
 }
 
 impl Table {
     pub(super) fn new(model: &Baked<Gmesh>) -> Self {
-        let gmesh = model.structure();
-        let partition = Partition::by_error(gmesh);
-        let marks = gmesh.levels().iter().zip(partition.starts()).skip(1);
-        let reach =
-            marks.map(|(level, &start)| f64::from(level.error) / f64::from(start)).fold(0.0, f64::max);
-        Self { whole: Whole::new(model.bounds()), partition, reach }
+        let errors = model.structure().levels().iter().map(|level| level.error).collect();
+        Self { whole: Whole::new(model.bounds()), errors }
     }
 
-    /// Returns the coarsest state with an error within what is allowed.
+    /// Returns the coarsest state with an error within the allowed error.
+    ///
+    /// ```text
+    ///     allowed error    e_1 ------------------------- e_2 ---------------- e_3
+    ///     state             0 --> 1 | 1 at rest           1 --> 2 | 2 at rest
+    /// ```
+    ///
+    /// While level `i - 1` turns into level `i`, the bound is the error of level `i`, so the way begins where this error is
+    /// allowed. Levels of equal error are passed on one way.
     fn state(&self, allowed: Allowed) -> Morph {
-        let t = match allowed {
-            Allowed::Nothing => 0.0,
-            Allowed::Anything => 1.0,
-            // Without any error, any level does.
-            Allowed::Error(error) if self.reach > 0.0 => f64::from(error) / self.reach,
-            Allowed::Error(_) => 1.0,
+        let (levels, error) = match allowed {
+            Allowed::Nothing => return Morph::default(),
+            Allowed::Anything => return Morph { level: self.errors.len() - 1, share: 0.0 },
+            Allowed::Error(error) => (self.errors.len(), error),
         };
-        // Rounded towards the finer state.
-        let rounded = t as f32;
-        self.partition.at(if f64::from(rounded) > t { rounded.next_down() } else { rounded })
+        // Level `to` is within the error, and the level behind it is not. The comparison is false for NaN.
+        let within = self.errors.partition_point(|&e| e <= error);
+        let Some(to) = within.checked_sub(1) else { return Morph::default() };
+        let own = self.errors[to];
+        let Some(from) = self.errors.partition_point(|&e| e < own).checked_sub(1) else {
+            return Morph { level: to, share: 0.0 };
+        };
+        let next = self.errors.get(within).map_or(2.0 * f64::from(own), |&e| f64::from(e));
+        let way = WAY * (next - f64::from(own));
+        let gone = ((f64::from(error) - f64::from(own)) / way).min(1.0);
+        if gone < 1.0 { Morph::at(from as f32 + gone as f32 * (to - from) as f32, levels) } else { Morph { level: to, share: 0.0 } }
     }
 }
 
@@ -55,7 +67,8 @@ impl Table {
 /// model's bounding sphere nearest to the eye.
 ///
 /// Index buffers hold all levels and are written once. With [`LodOptions::geomorph`], vertices are moved by the processor, and
-/// the vertex buffer is written as they move; the state then moves at most one level per duration while it is seen. Without,
+/// the vertex buffer is written as they move; the state then moves at most one level per duration while it is seen (motion of the
+/// eye adds to the time, and a single call moves at most one level). Without,
 /// the vertex buffer holds the vertices at rest and is written once: draw with a shader that moves them by
 /// [`Lod::morph`], or leave them at rest.
 #[derive(Debug, Clone)]
@@ -134,7 +147,8 @@ impl<V: Vertex> GmeshLod<V> {
     }
 
     /// Draws a state at once, within the triangle limit, whatever the views: for a T of your own
-    /// ([`Partition::at`](super::Partition::at)), by distance or by a controller.
+    /// ([`Partition::at`](super::Partition::at)), by distance or by a controller. Forgets the views: the next
+    /// [`adapt`](Lod::adapt) takes no time for a geomorph.
     ///
     /// ```
     /// use multires::gmesh::{DistanceRange, Gmesh, Partition};
@@ -163,7 +177,8 @@ impl<V: Vertex> GmeshLod<V> {
         let vertices = |morph: Morph| self.gmesh().levels()[morph.level].vertices;
         let (was, is, wanted) = (vertices(before), vertices(self.now), vertices(self.wanted));
         let triangles = self.gmesh().levels()[self.now.level].triangles;
-        let moves = self.moving.is_some() && self.now.share > 0.0;
+        let is_under_way = self.now != self.wanted;
+        let moves = self.moving.is_some() && self.now.share > 0.0 && is_under_way;
         Change {
             cut: CutReport {
                 tests: self.tests,
@@ -171,7 +186,7 @@ impl<V: Vertex> GmeshLod<V> {
                 collapses: was.saturating_sub(is),
             },
             triangles,
-            pending: is.abs_diff(wanted),
+            pending: is.abs_diff(wanted).max(usize::from(is_under_way)),
             moving: if moves { self.gmesh().moving(self.now.level).len() } else { 0 },
             over_budget: self.options.triangles.is_some_and(|most| triangles > most),
         }
@@ -195,15 +210,15 @@ impl<V: Vertex> GmeshLod<V> {
         self.options.triangles.is_some_and(|most| now > most) && self.now.level + 1 < gmesh.levels().len()
     }
 
-    /// Returns the state reached towards the wanted state in a single call: at most `progress` levels away, and at most the
-    /// allowed number of vertices, but at least a level.
-    fn towards(&self, progress: f32) -> Morph {
+    /// Returns the state reached towards the wanted state in a single call: at most `progress` levels away (`None`: any number),
+    /// and at most the allowed number of vertices, but at least a level.
+    fn towards(&self, progress: Option<f32>) -> Morph {
         if self.is_above_limit() {
             return self.wanted;
         }
         let (levels, now, wanted) = (self.gmesh().levels(), self.now.position(), self.wanted.position());
         let mut to = wanted;
-        if progress < 1.0 {
+        if let Some(progress) = progress {
             to = wanted.clamp(now - progress, now + progress);
         }
         if let Some(most) = self.options.operations {
@@ -263,13 +278,13 @@ impl<V: Vertex> Lod for GmeshLod<V> {
         let allowed = self.table.whole.allowed(views, self.factor);
         self.wanted = self.within_limit(self.table.state(allowed));
         self.tests = views.len();
-        let mut progress = 1.0;
+        let mut progress = None;
         if let Some(geomorph) = self.options.geomorph {
             // Out of view before or now, vertices jump.
             let whole = &self.table.whole;
-            if whole.is_seen(&self.views) && whole.is_seen(views) {
+            if geomorph.duration > 0.0 && whole.is_seen(&self.views) && whole.is_seen(views) {
                 let motion = Whole::motion(views, &self.views);
-                progress = geomorph.progress(seconds, motion, f64::from(whole.diagonal()));
+                progress = Some(geomorph.progress(seconds, motion, f64::from(whole.diagonal())));
             }
             self.views.clear();
             self.views.extend_from_slice(views);
@@ -287,7 +302,7 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn settle(&mut self) {
-        self.place(Morph { share: 0.0, ..self.wanted });
+        self.place(self.wanted);
     }
 
     fn options(&self) -> &LodOptions {
@@ -404,7 +419,9 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn to_mesh(&self) -> Mesh {
-        self.model.mesh_at(Morph { share: 0.0, ..self.now })
+        // Without moving vertices, the buffer holds them at rest.
+        let share = if self.moving.is_some() { self.now.share } else { 0.0 };
+        self.model.mesh_at(Morph { share, ..self.now })
     }
 
     fn memory(&self) -> usize {

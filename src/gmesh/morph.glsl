@@ -1,6 +1,6 @@
 // Share of the way of a vertex to its target: 0 for vertices that stay.
-float multires_morph_share(uint vertex_index, uint first_moving, float share) {
-    return vertex_index >= first_moving ? share : 0.0;
+float multires_morph_share(int vertex_index, uint first_moving, float share) {
+    return uint(vertex_index) >= first_moving ? share : 0.0;
 }
 
 // Values on the way; exactly `own` at share 0 and `other` at share 1.

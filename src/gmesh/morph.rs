@@ -20,8 +20,7 @@ impl Morph {
     /// Positions are clamped; NaN is the finest level.
     pub(super) fn at(position: f32, levels: usize) -> Self {
         let last = levels.saturating_sub(1);
-        // The comparison is false for NaN.
-        if !(position > 0.0) {
+        if position.is_nan() || position <= 0.0 {
             return Self::default();
         }
         if position >= last as f32 {
@@ -57,13 +56,12 @@ impl Gmesh {
         start..end
     }
 
-    /// Returns a bound for the error of a state, object units: between the bounds of its two levels, in proportion to the
-    /// share. Holds for the distance of every point of the input from its image (each moves along a straight way), so for
-    /// the surfaces as far as the levels' errors do.
+    /// Returns a bound for the error of a state, object units: the level's at rest, the next level's on the way. A bound in
+    /// proportion to the share would not hold: errors are distances between surfaces, and a surface half-way between two may
+    /// be nearly as far off as the farther of them.
     pub fn error(&self, morph: Morph) -> f32 {
         let Morph { level, share } = self.clamped(morph);
-        let error = |level: usize| self.levels().get(level).map_or(0.0, |level| level.error);
-        if share == 0.0 { error(level) } else { error(level).blend(&error(level + 1), share) }
+        self.levels()[if share == 0.0 { level } else { level + 1 }].error
     }
 
     /// Fills `drawn` with the vertices of a state: the prefix of its level, each value `(1 - share) * own + share *

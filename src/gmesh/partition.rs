@@ -54,7 +54,7 @@ impl Partition {
     }
 
     /// Divides T by loss of volume: `r_i = (V_i - V_(i+1)) / (V_0 - V_n)`. By error instead ([`Partition::by_error`]) where a
-    /// level is open or gains volume. Southern, section 6.2.1.
+    /// level is open or gains volume. No range is shorter than 1/64 of an even one. Southern, section 6.2.1.
     pub fn by_volume(gmesh: &Gmesh) -> Self {
         let volumes: Option<Vec<f64>> = gmesh.levels().iter().map(|level| level.volume).collect();
         let Some(volumes) = volumes else { return Self::by_error(gmesh) };
@@ -66,8 +66,9 @@ impl Partition {
         Self::of_weights(&losses)
     }
 
-    /// Divides T by error: `R_i = error of level i / error of the coarsest level`. With a perspective view and T
-    /// proportional to the distance, the error on the screen is the same all the way; this is the division by screen error.
+    /// Divides T by error: `R_i = error of level i / error of the coarsest level`, but no range shorter than 1/64 of an even one.
+    /// With a perspective view and T proportional to the distance, levels begin where their errors have one size on the
+    /// screen: this is the division by screen error. (On its way to the next level a state may have the next level's error.)
     pub fn by_error(gmesh: &Gmesh) -> Self {
         let errors = gmesh.levels().windows(2);
         let steps: Vec<f64> =
@@ -119,8 +120,7 @@ impl Partition {
     /// Returns the state at T: the finest level for T of at most 0 and NaN, the last level for T of at least 1. O(log levels).
     pub fn at(&self, t: f32) -> Morph {
         let last = self.starts.len() - 1;
-        // The comparison is false for NaN.
-        if !(t > 0.0) {
+        if t.is_nan() || t <= 0.0 {
             return Morph::default();
         }
         if t >= 1.0 {

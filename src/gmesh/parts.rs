@@ -7,17 +7,20 @@ use super::{Gmesh, GmeshError, GmeshLevel};
 
 /// Most triangles of all levels together, per triangle of the finest: a level of 0.9 of the level before it gives 10.
 const MOST_SHARE: usize = 12;
-/// Triangles allowed whatever the share.
+/// Limit for small meshes.
 const FEW: usize = 4096;
+/// Most starts of levels in groups, per triangle of the finest level, and for small meshes.
+const MOST_STARTS: usize = 64;
+const FEW_STARTS: usize = 1 << 16;
 
 /// The arrays of a [`Gmesh`], for file formats of your own. The triangles of coarser levels follow from the finest level and
 /// the targets.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GmeshParts {
-    /// Vertices of each level, finest first: a prefix of all vertices. Falling.
+    /// Vertices of each level, finest first: a prefix of all vertices. Never rising.
     pub level_vertices: Vec<u32>,
-    /// Error bound of each level, object units. Rising.
+    /// Error bound of each level, object units. Never falling.
     pub level_errors: Vec<f32>,
     /// Enclosed volume of each level, cubic object units; NaN where there is none.
     pub level_volumes: Vec<f64>,
@@ -101,8 +104,7 @@ impl GmeshParts {
         expect("errors of levels", self.level_errors.len(), count)?;
         expect("volumes of levels", self.level_volumes.len(), count)?;
         expect("vertices of the finest level", self.level_vertices[0] as usize, self.targets.len())?;
-        // Written so that NaN is caught.
-        let is_error = |error: f32| error >= 0.0 && error < f32::INFINITY;
+        let is_error = |error: f32| (0.0..f32::INFINITY).contains(&error);
         for level in 0..count {
             let falls = level > 0 && self.level_errors[level] < self.level_errors[level - 1];
             let grows = level > 0 && self.level_vertices[level] > self.level_vertices[level - 1];
@@ -143,6 +145,11 @@ impl GmeshParts {
         expect("groups", self.group_ends.len(), self.material_ids.len().max(1))?;
         if let Some(group) = self.group_ends.windows(2).position(|ends| ends[0] > ends[1]) {
             return Err(GmeshError::Group { group: group + 1 });
+        }
+        let starts = self.group_ends.len().saturating_mul(self.level_vertices.len());
+        let most = MOST_STARTS.saturating_mul(self.triangles.len()).max(FEW_STARTS);
+        if starts > most {
+            return Err(GmeshError::Length { what: "levels of groups", found: starts, expected: most });
         }
         expect(
             "triangles in groups",

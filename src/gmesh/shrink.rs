@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
 
-/// What shrinking needs to know of a sequence, by the numbers of its forest.
+/// A sequence as shrinking reads it, by the numbers of its forest.
 pub(super) struct Vanishing<'a, P, K> {
     /// For every triangle the steps after which it is gone (`NONE`: never) and its corners.
     pub drawn: &'a [(u32, [u32; 3])],
@@ -40,7 +40,7 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
             let goes = vanishes && level(end[part as usize]) == level(self.removed[number as usize]);
             (goes && (self.is_kept)(number)).then_some(part as usize)
         };
-        // Per part the position of whoever stands for it, and the nearest vertex.
+        // Per part its heir, the vertex it is merged into, and the vertex of the part nearest to the heir.
         let mut heirs = vec![NONE; targets.len()];
         for number in 0..targets.len() as u32 {
             let target = targets[number as usize];
@@ -57,6 +57,27 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
                 let distance = at.distance_squared(heir);
                 if distance < nearest[part].0 || nearest[part].1 == NONE {
                     nearest[part] = (distance, number);
+                }
+            }
+        }
+        // A triangle with a single corner of a part would keep its area: parts that grew together do not shrink.
+        for (last, corners) in self.drawn {
+            let mut corners = *corners;
+            for &mark in self.marks.iter().take_while(|&&mark| mark < *last) {
+                for corner in &mut corners {
+                    if self.removed[*corner as usize] <= mark {
+                        *corner = targets[*corner as usize];
+                    }
+                }
+                let goes = |&number: &u32| {
+                    self.marks.get(level(mark) + 1).is_some_and(|&next| self.removed[number as usize] <= next)
+                };
+                let parts = corners.map(|number| Some(number).filter(goes).and_then(part));
+                for at in 0..3 {
+                    let others = [parts[(at + 1) % 3], parts[(at + 2) % 3]];
+                    if let Some(part) = parts[at].filter(|_| !others.contains(&parts[at])) {
+                        nearest[part].1 = NONE;
+                    }
                 }
             }
         }

@@ -105,8 +105,9 @@ pub trait Lod: Send {
         false
     }
 
-    /// Returns the way of vertices to their targets, to be gone in a vertex shader: of a g-mesh whose vertices the processor does
-    /// not move. `None` if the vertex buffer holds vertices as drawn. Targets are [`Model::morph_targets`](super::Model::morph_targets).
+    /// Returns the uniform for the vertex shader that moves vertices to their targets: of a g-mesh whose vertices the processor does
+    /// not move; a packed buffer holds the first of the structure's vertices. `None` if the vertex buffer holds vertices as drawn.
+    /// Targets are [`Model::morph_targets`](super::Model::morph_targets).
     fn morph(&self) -> Option<MorphUniform> {
         None
     }

@@ -18,8 +18,8 @@ pub enum Order {
     Batched,
 }
 
-/// Collapses that may share a batch of [`Order::Batched`]. Whatever the choice, no point is merged twice in a batch, and no
-/// two points are merged into a third one.
+/// Collapses that may share a batch of [`Order::Batched`]. Whatever the choice, no point takes part in two collapses of a
+/// batch; a part that vanishes as a whole does so in one step.
 ///
 /// Share of the triangles kept by a batch on scans, endpoint placement: 0.84 (`Ring`), 0.70 (`Domain`), 0.59 (`Matching`).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

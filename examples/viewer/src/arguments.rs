@@ -13,7 +13,9 @@ use multires::wavelet::{ErrorBound, WaveletOptions};
 
 use crate::camera::Tolerances;
 use crate::renderer::Shading;
-use crate::scene::{BuildOptions, Builtin, Coordinates, Overlays, Source, StructureKind};
+use crate::scene::{
+    BuildOptions, Builtin, ControlOptions, Controller, Coordinates, Overlays, Source, StructureKind,
+};
 
 /// Shows a model at the level of detail that the view asks for: in a window, or as pictures with --headless.
 ///
@@ -26,7 +28,7 @@ pub struct Arguments {
     /// A scene that needs no file.
     #[arg(long, value_name = "S", value_enum, conflicts_with = "file")]
     pub scene: Option<Builtin>,
-    /// About so many triangles, for the terrain and the rocks.
+    /// About so many triangles, for the terrain, a rock and an object of the crowd.
     #[arg(long, value_name = "N", requires = "scene", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub triangles: Option<u32>,
 
@@ -36,7 +38,7 @@ pub struct Arguments {
     /// What a collapse costs.
     #[arg(long, value_name = "M", default_value = "quadric", value_parser = PossibleValuesParser::new(metric::NAMES))]
     pub metric: String,
-    /// Where merged vertices go.
+    /// Where merged vertices go, of a hierarchy or a g-mesh.
     #[arg(long, value_name = "P", value_enum, default_value_t)]
     pub placement: Place,
     /// How near cuts stay to what the simplifier saw.
@@ -67,6 +69,9 @@ pub struct Arguments {
     /// Most triangles of an object.
     #[arg(long, value_name = "N")]
     pub budget: Option<usize>,
+    /// Most triangles of all objects together.
+    #[arg(long, value_name = "N")]
+    pub budget_scene: Option<usize>,
     /// Most splits and collapses a frame of an object.
     #[arg(long, value_name = "N")]
     pub operations: Option<usize>,
@@ -279,6 +284,15 @@ impl Arguments {
             .with_operations(self.operations)
             .with_geomorph(geomorph)
             .with_triangulation(self.triangulation.into())
+    }
+
+    /// How triangles are held over all objects.
+    pub fn control(&self) -> ControlOptions {
+        let options = ControlOptions::default();
+        match self.budget_scene {
+            Some(most) => options.with_controller(Controller::Triangles).with_triangles(most),
+            None => options,
+        }
     }
 
     /// How large errors may be.

@@ -89,10 +89,13 @@ fn every_structure_and_scene_is_drawn() {
     let out = folder.file("out");
     let baked = folder.file("rock.mres");
     WaveletMesh::bake(&shapes::rock(1_280, 1)).unwrap().write(&baked).unwrap();
-    let runs: [&[&str]; 8] = [
+    let runs: [&[&str]; 11] = [
         &["--scene", "terrain", "--triangles", "5000", "--storage", "compact"],
         &["--scene", "rocks", "--triangles", "500", "--geomorph", "0.2"],
         &["--scene", "rocks", "--triangles", "500", "--structure", "tom"],
+        &["--scene", "crowd", "--triangles", "2000", "--structure", "gmesh"],
+        &["--scene", "crowd", "--triangles", "500", "--structure", "gmesh", "--budget-scene", "250000"],
+        &["--scene", "demo", "--structure", "gmesh", "--placement", "optimal", "--geomorph", "0.2"],
         &["--scene", "demo", "--dependencies", "adjacent", "--budget", "5000"],
         &["--scene", "demo", "--placement", "midpoint", "--silhouette", "0.5", "--parametric"],
         &["--scene", "terrain", "--triangles", "5000", "--structure", "wavelet", "--shading", "texture"],

@@ -125,6 +125,19 @@ fn a_totally_ordered_mesh_looks_like_its_slices() {
 }
 
 #[test]
+fn a_gmesh_looks_like_its_slices() {
+    let Some(gpu) = open("a_gmesh_looks_like_its_slices") else { return };
+    let options = BuildOptions::default().with_structure(StructureKind::Gmesh);
+    let rock = model(&bare(), &options);
+    compare(&gpu, "gmesh, moved by the card", &rock, shared(), false);
+    compare(&gpu, "gmesh, moved by the card, flat", &rock, shared(), true);
+    compare(&gpu, "gmesh, compact", &rock, LodOptions::default(), false);
+    compare(&gpu, "gmesh, moved by the processor", &rock, moving(shared(), 0.1), false);
+    let placed = model(&bare(), &options.with_placement(Placement::Optimal));
+    compare(&gpu, "gmesh, new vertices", &placed, shared(), false);
+}
+
+#[test]
 fn a_wavelet_mesh_looks_like_its_slices() {
     let Some(gpu) = open("a_wavelet_mesh_looks_like_its_slices") else { return };
     let options = BuildOptions::default().with_structure(StructureKind::Wavelet);

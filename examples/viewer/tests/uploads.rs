@@ -9,7 +9,7 @@ use multires::mesh::shapes;
 use multires::view::View;
 use multires_viewer::camera::{Lens, Orbit, Pose, Tolerances};
 use multires_viewer::gpu::Gpu;
-use multires_viewer::renderer::{LodBuffers, TRIANGLE, Uploaded, Uploads, Vertex};
+use multires_viewer::renderer::{LodBuffers, SharedBuffers, TRIANGLE, Uploaded, Uploads, Vertex};
 use multires_viewer::scene::{BuildOptions, Model, StructureKind};
 
 const LENS: Lens = Lens { field_of_view: 0.9, size: [1280, 720] };
@@ -47,17 +47,28 @@ struct Flight {
 impl Flight {
     fn new(gpu: &Gpu, model: &Model, options: &LodOptions) -> Self {
         let instance = model.instance(options).unwrap();
-        let buffers = LodBuffers::new(&gpu.device, &*instance);
-        Self { gpu: gpu.clone(), instance, buffers, uploads: Uploads::default() }
+        let (mut shared, mut uploads) = (SharedBuffers::default(), Uploads::default());
+        shared.add(&gpu.device, &mut uploads, &*instance, model.vertices(), model.baked().morph_targets());
+        let buffers = LodBuffers::new(&gpu.device, &*instance, &shared);
+        let mut flight = Self { gpu: gpu.clone(), instance, buffers, uploads };
+        let shares = flight.instance.shares_vertices();
+        let uploaded = flight.flush();
+        assert_eq!(uploaded.vertices, if shares { size_of_val(&model.vertices()[..]) as u64 } else { 0 });
+        flight
+    }
+
+    fn flush(&mut self) -> Uploaded {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let uploaded = self.uploads.flush(&self.gpu.device, &self.gpu.queue, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        uploaded
     }
 
     fn frame(&mut self, pose: &Pose) -> Uploaded {
         self.instance.adapt(&[view(pose).of_world()], 1.0 / 60.0);
         let [indices, vertices] = dirty(&*self.instance);
         self.buffers.sync(&self.gpu.device, &mut self.uploads, &mut *self.instance);
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let uploaded = self.uploads.flush(&self.gpu.device, &self.gpu.queue, &mut encoder);
-        self.gpu.queue.submit([encoder.finish()]);
+        let uploaded = self.flush();
         assert_eq!((uploaded.indices, uploaded.vertices), (indices, vertices));
         uploaded
     }
@@ -67,7 +78,7 @@ impl Flight {
         let lod = &*self.instance;
         for (group, (buffer, triangles)) in self.buffers.groups().enumerate() {
             let held: &[u8] = bytemuck::cast_slice(lod.triangles(group));
-            assert_eq!(triangles as usize, lod.triangles(group).len());
+            assert_eq!(triangles, 0..lod.triangles(group).len() as u32);
             if !held.is_empty() {
                 assert!(read_back(&self.gpu, buffer, held.len()) == held, "group {group} differs");
             }
@@ -75,14 +86,8 @@ impl Flight {
         if lod.shares_vertices() {
             return;
         }
-        let nothing = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: 4,
-            usage: wgpu::BufferUsages::VERTEX,
-            mapped_at_creation: false,
-        });
         let held = lod.vertex_bytes();
-        let buffer = self.buffers.vertices(&nothing);
+        let buffer = self.buffers.vertices();
         assert!(read_back(&self.gpu, buffer, held.len()) == held, "vertices differ");
     }
 }
@@ -116,7 +121,7 @@ fn a_hundred_steady_frames_upload_dirty_ranges_alone() {
         for frame in 80..180 {
             let uploaded = flight.frame(&pose(rock, frame));
             written += uploaded.indices;
-            held += flight.buffers.groups().map(|(_, n)| u64::from(n) * TRIANGLE).sum::<u64>();
+            held += flight.buffers.groups().map(|(_, drawn)| drawn.len() as u64 * TRIANGLE).sum::<u64>();
             assert_eq!(uploaded.grown, 0, "{what}: a buffer grew in frame {frame}");
         }
         assert!(written > 0, "{what}: nothing changed");

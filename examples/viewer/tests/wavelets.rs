@@ -176,7 +176,7 @@ fn bounds_are_those_asked_for() {
 
 #[test]
 fn built_in_scenes_can_be_wavelet_meshes() {
-    for (builtin, triangles) in [(Builtin::Terrain, 5_000), (Builtin::Rocks, 700)] {
+    for (builtin, triangles) in [(Builtin::Terrain, 5_000), (Builtin::Rocks, 700), (Builtin::Crowd, 2_000)] {
         let mesh = builtin.mesh(Some(triangles), StructureKind::Wavelet);
         let found = WaveletMesh::recognise(&mesh, &WaveletOptions::default()).unwrap();
         let base = found.subdivision().base_face_count();

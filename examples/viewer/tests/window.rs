@@ -60,7 +60,7 @@ fn windows_open_and_close() {
             return;
         }
     };
-    let runs: [&[&str]; 7] = [
+    let runs: [&[&str]; 8] = [
         &["--scene", "rocks", "--triangles", "500"],
         &["--scene", "rocks", "--triangles", "500", "--beside", "difference", "--size", "900x300"],
         &["--scene", "terrain", "--triangles", "2000", "--beside", "full", "--size", "240x180", "--wire"],
@@ -78,6 +78,7 @@ fn windows_open_and_close() {
         ],
         &["--scene", "demo", "--structure", "tom", "--shading", "dirty"],
         &["--scene", "terrain", "--triangles", "2000", "--structure", "wavelet", "--shading", "texture"],
+        &["--scene", "crowd", "--triangles", "500", "--structure", "gmesh", "--budget-scene", "250000"],
         &["no-such-file.ply"],
     ];
     for arguments in runs {

@@ -16,7 +16,7 @@ pub struct Batches {
     /// --structure gmesh].
     #[arg(long, value_name = "O", value_enum)]
     pub order: Option<Sequence>,
-    /// What a collapse takes out of its batch: all neighbours of its points, the edges of the triangles it changes, or its
+    /// Edges and points that a collapse takes out of its batch: all neighbours of its points, the edges of the triangles it changes, or its
     /// two points alone. Batches keep about 0.84, 0.70 and 0.59 of the triangles [default: ring; matching for --structure
     /// gmesh].
     #[arg(long, value_name = "I", value_enum)]
@@ -34,7 +34,7 @@ pub enum Sequence {
     Batched,
 }
 
-/// What a collapse takes out of its batch.
+/// Edges and points that a collapse takes out of its batch.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Independent {
     Ring,

@@ -138,8 +138,8 @@ impl Run for Build {
             Structure::Gmesh => {
                 let mut build = self.clone();
                 let batches = &mut build.given.rules.batches;
-                if batches.order.is_none() {
-                    batches.order = Some(Sequence::Batched);
+                batches.order.get_or_insert(Sequence::Batched);
+                if batches.is_batched() {
                     batches.independence.get_or_insert(Independent::Matching);
                 }
                 let options = GmeshOptions::default();

@@ -288,7 +288,8 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             input_triangles: self.surface.triangle_count(),
             verified: !self.verified.is_empty(),
         };
-        if let Some(choose) = self.placements {
+        // In linear order batches begin anew where features give, and stay one.
+        if let Some(choose) = self.placements.filter(|_| index == 0 || self.order == Order::Batched) {
             self.placement = choose(info);
             self.surface.moves_wedges = !self.placement.keeps_vertices();
         }

@@ -20,7 +20,8 @@ use super::{
 /// ```
 ///
 /// Every batch starts with a new metric: accumulated data, as in [`Quadric`](super::Quadric), starts from the current
-/// mesh. In linear order there is a single batch.
+/// mesh. In linear order the metric starts anew only where seams, materials or the
+/// topology give.
 pub struct PerBatch {
     choose: Box<dyn FnMut(Batch) -> Box<dyn ErrorMetric> + Send + Sync>,
     current: Box<dyn ErrorMetric>,

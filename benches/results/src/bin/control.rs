@@ -48,7 +48,7 @@ fn run(out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
 fn bias(out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let simplifier = Gmesh::simplifier().target(Target::Triangles(200));
     let model = GmeshBuilder::new().simplifier(simplifier).bake(&shapes::rock(10_000, 5))?;
-    let stairs = Stairs::of_gmesh(model.structure(), &Partition::by_volume(model.structure()))?;
+    let stairs = Stairs::of_gmesh(model.structure(), &Partition::by_error(model.structure()))?;
     let tolerance = stairs.largest_step();
     let names = ["no control", "0.01 a frame", "0.1 a frame"];
     let mut panels = Vec::new();

@@ -21,10 +21,10 @@ use multires::io::atomic;
 use multires::view::ViewError;
 
 use crate::arguments::Arguments;
-use crate::camera::{Lens, Orbit, Path, PathError, Pose};
+use crate::camera::{Lens, Path, PathError, Pose};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::renderer::{Look, RenderError};
-use crate::scene::{ModelError, Scene};
+use crate::scene::{ModelError, Scene, SceneControlError};
 
 /// Seconds from frame to frame.
 pub const STEP: f32 = 1.0 / 60.0;
@@ -72,6 +72,9 @@ pub enum Failure {
         /// What is wrong.
         reason: String,
     },
+    /// The scene cannot be held to a number of triangles.
+    #[error(transparent)]
+    Control(#[from] SceneControlError),
     /// The window system refuses.
     #[error("no window could be opened: {reason}")]
     Window {
@@ -137,7 +140,7 @@ fn poses(arguments: &Arguments, scene: &Scene, path: Option<&Path>) -> Vec<(u64,
             .collect(),
         None => {
             let fov = arguments.fov.to_radians();
-            vec![(0, Orbit::framing(centre, 0.4 * diagonal, fov, arguments.z_up).pose())]
+            vec![(0, arguments.source().orbit(centre, diagonal, fov, arguments.z_up).pose())]
         }
     }
 }
@@ -168,6 +171,7 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
     let mut stage =
         Stage::new(gpu.clone(), model, &source.places(), arguments.options(), arguments.size, samples)
             .map_err(|error| Failure::Model { name: source.name(), source: error.into() })?;
+    stage.scene_mut().set_control(arguments.control())?;
     if let Some(texture) = &arguments.texture {
         let (size, pixels) = read_png(texture)?;
         stage.set_paint(size, &pixels);

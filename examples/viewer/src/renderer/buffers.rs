@@ -8,8 +8,13 @@
 //!
 //! After that the buffers hold, byte for byte, what the level of detail holds. A buffer that grows at least doubles, and what it
 //! held is copied on the card: also then only what was written is uploaded.
+//!
+//! What all instances of a model share lies in [`SharedBuffers`]: the vertices, the values of the vertices' targets, and the
+//! index buffers of a structure that keeps all its levels in them.
 
-use multires::lod::Lod;
+use std::ops::Range;
+
+use multires::lod::{Lod, MorphUniform};
 
 use super::uploads::{Kind, Uploads};
 use super::vertex::Vertex;
@@ -52,67 +57,154 @@ const VERTEX_USAGE: wgpu::BufferUsages =
 const INDEX_USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::INDEX.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
-/// The vertices of a structure in one buffer, uploaded once and drawn by all its instances.
-pub fn shared_vertices(device: &wgpu::Device, uploads: &mut Uploads, vertices: &[Vertex]) -> wgpu::Buffer {
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("vertices of all levels"),
-        size: (size_of_val(vertices) as u64).max(4),
-        usage: VERTEX_USAGE,
-        mapped_at_creation: false,
-    });
-    uploads.write(Kind::Vertices, &buffer, 0, bytemuck::cast_slice(vertices));
-    buffer
+/// Buffers shared by all instances of a model, each uploaded once, when the first instance needs it.
+#[derive(Clone, Default)]
+pub struct SharedBuffers {
+    vertices: Option<wgpu::Buffer>,
+    targets: Option<wgpu::Buffer>,
+    /// One for each group; empty unless instances share triangles.
+    indices: Vec<wgpu::Buffer>,
 }
 
-/// The buffers of one instance, numbered as its uploads are: one of vertices, which is empty where they are shared, and one of
-/// indices for each group.
+impl SharedBuffers {
+    /// Uploads what an instance shares with all others and what is not there yet. `vertices` are the values given to the instance,
+    /// `targets` is [`Model::morph_targets`](multires::lod::Model::morph_targets).
+    pub fn add(
+        &mut self,
+        device: &wgpu::Device,
+        uploads: &mut Uploads,
+        lod: &dyn Lod,
+        vertices: &[Vertex],
+        targets: &[u32],
+    ) {
+        let mut upload = |kind: Kind, usage, bytes: &[u8]| {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("shared by instances"),
+                size: (bytes.len() as u64).max(4),
+                usage,
+                mapped_at_creation: false,
+            });
+            uploads.write(kind, &buffer, 0, bytes);
+            buffer
+        };
+        if lod.shares_vertices() && self.vertices.is_none() {
+            self.vertices = Some(upload(Kind::Vertices, VERTEX_USAGE, bytemuck::cast_slice(vertices)));
+        }
+        if card_morph(lod).is_some() && self.targets.is_none() {
+            let value = |(own, &target): (&Vertex, &u32)| *vertices.get(target as usize).unwrap_or(own);
+            let values: Vec<Vertex> = vertices.iter().zip(targets).map(value).collect();
+            self.targets = Some(upload(Kind::Vertices, VERTEX_USAGE, bytemuck::cast_slice(&values)));
+        }
+        if lod.shares_triangles() && self.indices.is_empty() {
+            let triangles = (0..lod.groups()).map(|group| lod.buffered_triangles(group));
+            let indices = triangles.map(|t| upload(Kind::Indices, INDEX_USAGE, bytemuck::cast_slice(t)));
+            self.indices = indices.collect();
+        }
+    }
+
+    /// Returns the bytes on the card.
+    pub fn memory(&self) -> u64 {
+        let all = self.vertices.iter().chain(&self.targets).chain(&self.indices);
+        all.map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// Returns the way of vertices to be gone in the vertex shader; `None` if the vertex buffer holds vertices as drawn.
+pub fn card_morph(lod: &dyn Lod) -> Option<MorphUniform> {
+    lod.morph().filter(|_| lod.shares_vertices())
+}
+
+/// A buffer of an instance.
+enum Held {
+    /// Kept in step with the instance.
+    Own(Growing),
+    /// Never written by the instance.
+    Shared(wgpu::Buffer),
+}
+
+impl Held {
+    fn buffer(&self) -> &wgpu::Buffer {
+        match self {
+            Self::Own(growing) => &growing.buffer,
+            Self::Shared(buffer) => buffer,
+        }
+    }
+}
+
+/// The buffers of one instance, numbered as its uploads are: vertices, and indices for each group. Each is the instance's own or
+/// shared.
 pub struct LodBuffers {
-    buffers: Vec<Growing>,
-    shares_vertices: bool,
+    buffers: Vec<Held>,
+    targets: Option<wgpu::Buffer>,
+    morph: MorphUniform,
     /// Triangles to draw of every group.
-    counts: Vec<u32>,
+    drawn: Vec<Range<u32>>,
 }
 
 impl LodBuffers {
-    /// Empty buffers for a level of detail, all of which counts as written.
-    pub fn new(device: &wgpu::Device, lod: &dyn Lod) -> Self {
-        let usage = |buffer: usize| if buffer == 0 { VERTEX_USAGE } else { INDEX_USAGE };
+    /// Makes empty buffers for a level of detail, all of which counts as written. What the level of detail shares was
+    /// [added](SharedBuffers::add) to `shared`.
+    pub fn new(device: &wgpu::Device, lod: &dyn Lod, shared: &SharedBuffers) -> Self {
+        let hold = |buffer: usize| {
+            let (usage, shared) = match buffer.checked_sub(1) {
+                None => (VERTEX_USAGE, shared.vertices.as_ref().filter(|_| lod.shares_vertices())),
+                Some(group) => (INDEX_USAGE, shared.indices.get(group).filter(|_| lod.shares_triangles())),
+            };
+            match shared {
+                Some(shared) => Held::Shared(shared.clone()),
+                None => Held::Own(Growing::new(device, 0, usage)),
+            }
+        };
         Self {
-            buffers: (0..=lod.groups()).map(|buffer| Growing::new(device, 0, usage(buffer))).collect(),
-            shares_vertices: lod.shares_vertices(),
-            counts: vec![0; lod.groups()],
+            buffers: (0..=lod.groups()).map(hold).collect(),
+            targets: shared.targets.clone().filter(|_| card_morph(lod).is_some()),
+            morph: MorphUniform::default(),
+            drawn: vec![0..0; lod.groups()],
         }
     }
 
     /// Uploads what was written since the last call, and cleans the level of detail.
     pub fn sync(&mut self, device: &wgpu::Device, uploads: &mut Uploads, lod: &mut dyn Lod) {
         for upload in lod.uploads() {
-            let growing = &mut self.buffers[upload.buffer];
-            growing.fit(device, uploads, upload.size);
-            let kind = if upload.buffer == 0 { Kind::Vertices } else { Kind::Indices };
-            uploads.write(kind, &growing.buffer, upload.offset, upload.bytes);
+            if let Held::Own(growing) = &mut self.buffers[upload.buffer] {
+                growing.fit(device, uploads, upload.size);
+                let kind = if upload.buffer == 0 { Kind::Vertices } else { Kind::Indices };
+                uploads.write(kind, &growing.buffer, upload.offset, upload.bytes);
+            }
         }
-        self.counts.fill(0);
+        self.drawn.fill(0..0);
         for draw in lod.draws() {
             // What is drawn again without being written was in the buffer all the time.
-            self.counts[draw.buffer - 1] = draw.indices.end / 3;
+            self.drawn[draw.buffer - 1] = draw.indices.start / 3..draw.indices.end / 3;
         }
+        self.morph = card_morph(lod).unwrap_or_default();
         lod.clean();
     }
 
-    /// The vertex buffer; `shared` where it is not this instance's own.
-    pub fn vertices<'a>(&'a self, shared: &'a wgpu::Buffer) -> &'a wgpu::Buffer {
-        if self.shares_vertices { shared } else { &self.buffers[0].buffer }
+    /// Returns the vertex buffer.
+    pub fn vertices(&self) -> &wgpu::Buffer {
+        self.buffers[0].buffer()
     }
 
-    /// The index buffer and the triangles to draw of every group.
-    pub fn groups(&self) -> impl Iterator<Item = (&wgpu::Buffer, u32)> {
-        self.buffers[1..].iter().map(|growing| &growing.buffer).zip(self.counts.iter().copied())
+    /// Returns the values to which vertices move in the vertex shader; the vertices themselves if they do not move there.
+    pub fn targets(&self) -> &wgpu::Buffer {
+        self.targets.as_ref().unwrap_or_else(|| self.vertices())
     }
 
-    /// Bytes on the card.
+    /// Returns the way of vertices to their targets as of the last [`sync`](Self::sync); of share 0 if they do not move in the
+    /// vertex shader.
+    pub fn morph(&self) -> MorphUniform {
+        self.morph
+    }
+
+    /// Returns the index buffer of every group, and the range of triangles to draw from it.
+    pub fn groups(&self) -> impl Iterator<Item = (&wgpu::Buffer, Range<u32>)> {
+        self.buffers[1..].iter().map(Held::buffer).zip(self.drawn.iter().cloned())
+    }
+
+    /// Returns the bytes on the card, without what is shared.
     pub fn memory(&self) -> u64 {
-        let own = usize::from(self.shares_vertices);
-        self.buffers[own..].iter().map(|growing| growing.buffer.size()).sum()
+        let own = |held: &Held| if let Held::Own(growing) = held { growing.buffer.size() } else { 0 };
+        self.buffers.iter().map(own).sum()
     }
 }

@@ -9,7 +9,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `buffers.rs` | [`LodBuffers`]: buffers in step with a level of detail by its dirty ranges |
+//! | `buffers.rs` | [`LodBuffers`]: buffers in step with a level of detail by its dirty ranges; [`SharedBuffers`]: those of all instances |
 //! | `uploads.rs` | [`Uploads`]: all that a frame uploads, in one write |
 //! | `vertex.rs` | [`Vertex`] and [`Instance`]: what the card reads |
 //! | `pipelines.rs`, `shader.wgsl` | how things are drawn |
@@ -28,13 +28,13 @@ mod target;
 mod uploads;
 mod vertex;
 
-pub use buffers::{LodBuffers, shared_vertices};
+pub use buffers::{LodBuffers, SharedBuffers, card_morph};
 pub use compare::{Compare, Show};
 pub use picture::Paint;
 pub use pipelines::LineEnd;
 pub use target::{COLOUR, COLOUR_BYTES, DEPTH, Target};
 pub use uploads::{Kind, Uploaded, Uploads};
-pub use vertex::{Instance, TRIANGLE, Vertex};
+pub use vertex::{Instance, MORPH_LAYOUT, TRIANGLE, Vertex};
 
 use std::ops::Range;
 
@@ -254,38 +254,45 @@ impl Renderer {
         self.pipelines.wire.as_ref().map(|wire| pass.set_pipeline(wire)).is_some()
     }
 
-    /// Draws an object: group `g` as instance `first + g` of the instances that are set.
-    pub fn draw(
+    /// Draws from here on as [instances](Instance) at those places, whose vertices have gone those ways to their targets: a
+    /// [`MorphUniform`](multires::lod::MorphUniform) for each instance.
+    pub fn instances(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        object: &LodBuffers,
-        shared: &wgpu::Buffer,
-        first: u32,
+        instances: wgpu::BufferSlice<'_>,
+        morphs: wgpu::BufferSlice<'_>,
     ) {
-        pass.set_vertex_buffer(0, object.vertices(shared).slice(..));
+        pass.set_vertex_buffer(1, instances);
+        pass.set_vertex_buffer(2, morphs);
+    }
+
+    /// Draws an object: group `g` as instance `first + g` of the instances that are set.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, object: &LodBuffers, first: u32) {
+        pass.set_vertex_buffer(0, object.vertices().slice(..));
+        pass.set_vertex_buffer(3, object.targets().slice(..));
         for ((indices, triangles), instance) in object.groups().zip(first..) {
-            if triangles > 0 {
+            if !triangles.is_empty() {
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..3 * triangles, 0, instance..instance + 1);
+                pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, instance..instance + 1);
             }
         }
     }
 
-    /// Draws some triangles of one group of an object.
+    /// Draws some triangles of one group of an object, as far as the object draws them.
     pub fn draw_some(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         object: &LodBuffers,
-        shared: &wgpu::Buffer,
         group: usize,
         triangles: impl Iterator<Item = Range<u32>>,
         instance: u32,
     ) {
-        let Some((indices, count)) = object.groups().nth(group) else { return };
-        pass.set_vertex_buffer(0, object.vertices(shared).slice(..));
+        let Some((indices, drawn)) = object.groups().nth(group) else { return };
+        pass.set_vertex_buffer(0, object.vertices().slice(..));
+        pass.set_vertex_buffer(3, object.targets().slice(..));
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         for range in triangles {
-            let (start, end) = (range.start.min(count), range.end.min(count));
+            let (start, end) = (range.start.max(drawn.start), range.end.min(drawn.end));
             if start < end {
                 pass.draw_indexed(3 * start..3 * end, 0, instance..instance + 1);
             }

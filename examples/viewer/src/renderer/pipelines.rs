@@ -1,7 +1,9 @@
 //! How things are drawn: one pipeline each for the surface, what lies on top of it, what is behind it, and lines.
 
+use multires::gmesh::MORPH_WGSL;
+
 use super::target::{COLOUR, DEPTH};
-use super::vertex::{Instance, Vertex};
+use super::vertex::{Instance, MORPH_LAYOUT, Vertex};
 
 /// One end of a line in the world: 28 bytes.
 #[repr(C)]
@@ -54,7 +56,12 @@ pub(super) fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu
 
 impl Pipelines {
     pub fn new(device: &wgpu::Device, samples: u32) -> Self {
-        let module = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+        // Vertices of a g-mesh move by the library's own functions.
+        let source = [include_str!("shader.wgsl"), MORPH_WGSL].concat();
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("shader.wgsl"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
         let frame_layout = layout(device, &[UNIFORM, SAMPLER, FILTERED]);
         let picture_layout = layout(device, &[FILTERED, SAMPLER]);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -68,7 +75,7 @@ impl Pipelines {
             cull_mode: None,
             ..Default::default()
         };
-        let corners = [Some(Vertex::LAYOUT), Some(Instance::LAYOUT)];
+        let corners = [Vertex::LAYOUT, Instance::LAYOUT, MORPH_LAYOUT, Vertex::TARGET_LAYOUT].map(Some);
         let ends = [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<LineEnd>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,

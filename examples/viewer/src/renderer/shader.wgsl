@@ -38,6 +38,13 @@ struct Corner {
     @location(5) row_y: vec4<f32>,
     @location(6) row_z: vec4<f32>,
     @location(7) colour: vec4<f32>,
+    // Where the corner moves to, and how far it is: share 0 unless the card moves vertices.
+    @location(8) target_position: vec3<f32>,
+    @location(9) target_normal: vec3<f32>,
+    @location(10) target_uv: vec2<f32>,
+    @location(11) target_detail: vec2<f32>,
+    @location(12) first_moving: u32,
+    @location(13) share: f32,
 }
 
 struct Point {
@@ -50,33 +57,37 @@ struct Point {
     @location(4) @interpolate(flat) colour: vec4<f32>,
 }
 
-fn place(corner: Corner) -> Point {
-    let at = vec4(corner.position, 1.0);
+fn place(index: u32, corner: Corner) -> Point {
+    // multires::gmesh::MORPH_WGSL, which is appended.
+    let share = multires_morph_share(index, corner.first_moving, corner.share);
+    let at = vec4(multires_morph3(corner.position, corner.target_position, share), 1.0);
+    let normal = multires_morph3(corner.normal, corner.target_normal, share);
+    let detail = multires_morph2(corner.detail, corner.target_detail, share);
     let world = vec3(dot(corner.row_x, at), dot(corner.row_y, at), dot(corner.row_z, at));
     var point: Point;
     point.offset = world - frame.eye.xyz;
     point.clip = frame.clip * vec4(point.offset, 1.0);
     point.normal = vec3(
-        dot(corner.row_x.xyz, corner.normal),
-        dot(corner.row_y.xyz, corner.normal),
-        dot(corner.row_z.xyz, corner.normal),
+        dot(corner.row_x.xyz, normal),
+        dot(corner.row_y.xyz, normal),
+        dot(corner.row_z.xyz, normal),
     );
-    point.uv = corner.uv;
+    point.uv = multires_morph2(corner.uv, corner.target_uv, share);
     // The error in world units.
-    point.detail = vec2(corner.detail.x, corner.detail.y * length(corner.row_x.xyz));
+    point.detail = vec2(detail.x, detail.y * length(corner.row_x.xyz));
     point.colour = corner.colour;
     return point;
 }
 
 @vertex
-fn surface_corner(corner: Corner) -> Point {
-    return place(corner);
+fn surface_corner(@builtin(vertex_index) index: u32, corner: Corner) -> Point {
+    return place(index, corner);
 }
 
 // The same a little nearer, to lie on top of the surface.
 @vertex
-fn overlay_corner(corner: Corner) -> Point {
-    var point = place(corner);
+fn overlay_corner(@builtin(vertex_index) index: u32, corner: Corner) -> Point {
+    var point = place(index, corner);
     point.clip.z *= 1.0005;
     return point;
 }

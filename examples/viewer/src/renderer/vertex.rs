@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use multires::adapt::Blend;
+use multires::lod::MorphUniform;
 
 /// Bytes of a triangle's three indices.
 pub const TRIANGLE: u64 = 12;
@@ -29,7 +30,20 @@ impl Vertex {
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Float32x2],
     };
+
+    /// How pipelines read the vertices' targets: a second stream of equal layout.
+    pub const TARGET_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+        attributes: &wgpu::vertex_attr_array![8 => Float32x3, 9 => Float32x3, 10 => Float32x2, 11 => Float32x2],
+        ..Self::LAYOUT
+    };
 }
+
+/// How pipelines read the way of vertices to their targets: one for each drawn [`Instance`].
+pub const MORPH_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<MorphUniform>() as u64,
+    step_mode: wgpu::VertexStepMode::Instance,
+    attributes: &wgpu::vertex_attr_array![12 => Uint32, 13 => Float32],
+};
 
 impl Blend for Vertex {
     fn blend(&self, other: &Self, t: f32) -> Self {

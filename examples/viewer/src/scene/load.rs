@@ -11,6 +11,7 @@ use multires::mesh::Mesh;
 
 use super::Builtin;
 use super::model::{BuildOptions, Model, ModelError, StructureKind};
+use crate::camera::Orbit;
 
 /// Where a model comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +42,14 @@ impl Source {
         }
     }
 
+    /// The first look at a scene with that centre and diagonal, in a picture with that vertical field of view, radians.
+    pub fn orbit(&self, centre: [f64; 3], diagonal: f64, field_of_view: f64, z_up: bool) -> Orbit {
+        match self {
+            Self::Builtin(builtin, _) if !z_up => builtin.orbit(centre, diagonal, field_of_view),
+            _ => Orbit::framing(centre, 0.4 * diagonal, field_of_view, z_up),
+        }
+    }
+
     fn mesh(&self, structure: StructureKind) -> Result<Mesh, ModelError> {
         match self {
             Self::File(path) => Model::read_mesh(path),
@@ -64,7 +73,11 @@ impl Source {
                 if progress(0.0).is_break() {
                     return Err(ModelError::Cancelled);
                 }
-                Model::build(&mesh, options, progress)
+                let coarsest = match self {
+                    Self::Builtin(builtin, _) => builtin.coarsest(),
+                    Self::File(_) => None,
+                };
+                Model::build(&mesh, &options.clone().with_coarsest(options.coarsest.or(coarsest)), progress)
             }
         }
     }

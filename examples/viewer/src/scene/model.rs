@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use glam::Vec3;
+use multires::gmesh::{Gmesh, GmeshBuilder};
 use multires::hierarchy::{Dependencies, HierarchyBuilder};
 use multires::io::{self, BakeError, ReadError, ReadOptions, SceneOrigin};
-use multires::lod::{Lod, LodError, LodOptions, Structure, Values, VertexBuffer};
+use multires::lod::{Baked, FromSequence, Lod, LodError, LodOptions, Structure, Values, VertexBuffer};
 use multires::mesh::{MAX_ELEMENTS, Mesh, Topology, names};
-use multires::simplify::{Placement, Simplifier, metric};
+use multires::simplify::{Placement, Simplifier, Target, metric};
 use multires::tom::TomBuilder;
 use multires::wavelet::{WaveletError, WaveletMesh, WaveletOptions};
 
@@ -78,6 +79,8 @@ pub enum StructureKind {
     Hierarchy,
     /// A totally ordered mesh: one resolution for all of the model, by its nearest point.
     Tom,
+    /// A geomorph mesh: few levels for all of the model, which turn into each other in the vertex shader.
+    Gmesh,
     /// A wavelet mesh: fine where a view needs it, of a mesh that is a four-to-one subdivision of a coarser one.
     Wavelet,
 }
@@ -104,6 +107,8 @@ pub struct BuildOptions {
     pub placement: Placement,
     /// How near cuts of a hierarchy stay to what the simplifier saw; default none.
     pub dependencies: Dependencies,
+    /// Triangles of the coarsest level; default as few as can be. A wavelet mesh has those of its base.
+    pub coarsest: Option<usize>,
     /// Which errors the bounds of wavelets hold, and the shape around them.
     pub wavelets: WaveletOptions,
     /// Which texture coordinates a wavelet mesh has; default those of an atlas.
@@ -117,6 +122,7 @@ impl Default for BuildOptions {
             metric: "quadric".to_owned(),
             placement: Placement::Endpoint,
             dependencies: Dependencies::None,
+            coarsest: None,
             wavelets: WaveletOptions::default(),
             coordinates: Coordinates::default(),
         }
@@ -149,6 +155,13 @@ impl BuildOptions {
     #[must_use]
     pub fn with_dependencies(mut self, dependencies: Dependencies) -> Self {
         self.dependencies = dependencies;
+        self
+    }
+
+    /// With so many triangles in the coarsest level.
+    #[must_use]
+    pub fn with_coarsest(mut self, triangles: impl Into<Option<usize>>) -> Self {
+        self.coarsest = triangles.into();
         self
     }
 
@@ -214,7 +227,15 @@ impl Model {
         }
         let metric = metric::by_name(&options.metric)
             .ok_or_else(|| ModelError::NoMetric { name: options.metric.clone() })?;
-        let simplifier = Simplifier::new().metric(metric);
+        let to_coarsest = |simplifier: Simplifier| match options.coarsest {
+            Some(triangles) => simplifier.target(Target::Triangles(triangles)),
+            None => simplifier,
+        };
+        let simplifier = to_coarsest(match options.structure {
+            StructureKind::Gmesh => Gmesh::simplifier(),
+            _ => Simplifier::new(),
+        });
+        let simplifier = simplifier.metric(metric);
         let baked: Box<dyn io::StoredModel<Vertex>> = match options.structure {
             StructureKind::Hierarchy => Box::new(
                 HierarchyBuilder::new()
@@ -225,6 +246,12 @@ impl Model {
             ),
             StructureKind::Tom => Box::new(
                 TomBuilder::new().simplifier(simplifier).bake_with(mesh, progress).map_err(ModelError::of)?,
+            ),
+            StructureKind::Gmesh => Box::new(
+                GmeshBuilder::new()
+                    .simplifier(simplifier.placement(options.placement))
+                    .bake_with(mesh, progress)
+                    .map_err(ModelError::of)?,
             ),
             StructureKind::Wavelet => {
                 Box::new(WaveletMesh::bake_with(mesh, &options.wavelets, progress).map_err(ModelError::of)?)
@@ -309,6 +336,11 @@ impl Model {
     /// The baked model.
     pub fn baked(&self) -> &dyn io::StoredModel<Vertex> {
         &*self.baked
+    }
+
+    /// The baked model as a g-mesh; `None` if it is another structure.
+    pub fn gmesh(&self) -> Option<&Baked<Gmesh>> {
+        self.baked.as_any().downcast_ref()
     }
 
     /// An instance that follows a view.

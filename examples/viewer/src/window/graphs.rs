@@ -16,7 +16,7 @@ struct Curve {
 }
 
 /// What curves show, and in what.
-const CURVES: [(&str, &str); 7] = [
+const CURVES: [(&str, &str); 8] = [
     ("Triangles", ""),
     ("Tests", ""),
     ("Splits and collapses", ""),
@@ -24,7 +24,12 @@ const CURVES: [(&str, &str); 7] = [
     ("Upload", "us"),
     ("Frame", "ms"),
     ("Bytes uploaded", ""),
+    ("Tolerance factor, or bias", ""),
 ];
+/// Curve of the triangles.
+pub const TRIANGLES: usize = 0;
+/// Curve of what the controller puts out.
+pub const OUTPUT: usize = 7;
 
 /// Curves of all numbers.
 #[derive(Debug, Clone, Default)]
@@ -33,7 +38,7 @@ pub struct History {
 }
 
 /// The numbers of one frame, in the order of the curves: triangles, tests, splits and collapses, microseconds of adapt and of
-/// upload, milliseconds of the frame, bytes uploaded.
+/// upload, milliseconds of the frame, bytes uploaded, output of the controller.
 pub type Numbers = [f32; CURVES.len()];
 
 impl History {
@@ -47,11 +52,13 @@ impl History {
         }
     }
 
-    /// Shows all curves, with the last and the largest number of each.
-    pub fn show(&self, ui: &mut Ui) {
-        for (curve, (name, unit)) in self.curves.iter().zip(CURVES) {
+    /// Shows some curves, with the last and the largest number of each.
+    pub fn show(&self, ui: &mut Ui, which: impl IntoIterator<Item = usize>) {
+        for i in which {
+            let (curve, (name, unit)) = (&self.curves[i], CURVES[i]);
             let last = curve.values.back().copied().unwrap_or(0.0);
             let most = curve.values.iter().copied().fold(0.0, f32::max);
+            let least = curve.values.iter().copied().fold(0.0, f32::min);
             ui.horizontal(|ui| {
                 ui.label(name);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -59,20 +66,20 @@ impl History {
                     ui.strong(short(last, unit));
                 });
             });
-            curve.show(ui, most);
+            curve.show(ui, least, most);
         }
     }
 }
 
 impl Curve {
-    fn show(&self, ui: &mut Ui, most: f32) {
+    fn show(&self, ui: &mut Ui, least: f32, most: f32) {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
         let painter = ui.painter_at(area);
         painter.rect_filled(area, 3.0, ui.visuals().extreme_bg_color);
         let step = area.width() / (FRAMES - 1) as f32;
         let start = area.right() - step * (self.values.len().max(1) - 1) as f32;
         let at = |(i, &value): (usize, &f32)| {
-            let high = if most > 0.0 { value / most } else { 0.0 };
+            let high = if most > least { (value - least) / (most - least) } else { 0.0 };
             Pos2::new(start + step * i as f32, area.bottom() - 2.0 - high * (area.height() - 5.0))
         };
         let points: Vec<Pos2> = self.values.iter().enumerate().map(at).collect();

@@ -8,12 +8,12 @@ use multires::simplify::{Placement, metric};
 use multires::view::ErrorKind;
 use multires::wavelet::ErrorBound;
 
-use super::graphs::short;
+use super::graphs::{OUTPUT, TRIANGLES, short};
 use super::hands::Hands;
 use super::viewer::Viewer;
 use crate::arguments::Layout;
 use crate::renderer::Shading;
-use crate::scene::{Builtin, Coordinates, Source, StructureKind};
+use crate::scene::{Builtin, Controller, Coordinates, Source, StructureKind};
 
 /// Width of the panel, points, and of windows that are too narrow for it to be open at first.
 const WIDTH: f32 = 310.0;
@@ -65,6 +65,7 @@ impl Panel {
                     ui.spacing_mut().slider_width = 104.0;
                     model(ui, viewer, &mut asked);
                     detail(ui, viewer);
+                    control(ui, viewer);
                     picture(ui, viewer);
                     camera(ui, viewer);
                     numbers(ui, viewer);
@@ -190,8 +191,8 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
                 }
             });
         }
-        ui.horizontal(|ui| {
-            for builtin in [Builtin::Demo, Builtin::Terrain, Builtin::Rocks] {
+        ui.horizontal_wrapped(|ui| {
+            for builtin in [Builtin::Demo, Builtin::Terrain, Builtin::Rocks, Builtin::Crowd] {
                 if ui.button(builtin.name()).clicked() {
                     asked.load = Some(Source::Builtin(builtin, None));
                 }
@@ -206,6 +207,7 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
             &[
                 (StructureKind::Hierarchy, "vertex hierarchy"),
                 (StructureKind::Tom, "totally ordered"),
+                (StructureKind::Gmesh, "g-mesh"),
                 (StructureKind::Wavelet, "wavelet mesh"),
             ],
         );
@@ -233,7 +235,7 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
                 build.metric = (*name).to_owned();
             }
         }
-        if build.structure == StructureKind::Hierarchy {
+        if matches!(build.structure, StructureKind::Hierarchy | StructureKind::Gmesh) {
             choice(
                 ui,
                 "Placement",
@@ -245,6 +247,8 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
                     (Placement::Optimal, "optimal"),
                 ],
             );
+        }
+        if build.structure == StructureKind::Hierarchy {
             choice(
                 ui,
                 "Dependencies",
@@ -328,6 +332,44 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
     });
 }
 
+fn control(ui: &mut Ui, viewer: &mut Viewer) {
+    let gmesh = viewer.scene().is_some_and(|scene| scene.model().gmesh().is_some());
+    section(ui, "Control", |ui| {
+        let control = &mut viewer.controls.control;
+        let mut all = vec![
+            (Controller::Off, "off"),
+            (Controller::Triangles, "triangle budget"),
+            (Controller::Time, "frame time"),
+        ];
+        if gmesh {
+            all.push((Controller::Bias, "bias of g-meshes"));
+        } else if control.controller == Controller::Bias {
+            control.controller = Controller::Off;
+        }
+        choice(ui, "All objects", &mut control.controller, &all);
+        match control.controller {
+            Controller::Off => return,
+            Controller::Triangles | Controller::Bias => {
+                let slider = Slider::new(&mut control.triangles, 1_000..=20_000_000);
+                ui.add(slider.logarithmic(true).text("triangles"));
+            }
+            Controller::Time => {
+                let mut millis = control.seconds * 1e3;
+                ui.add(Slider::new(&mut millis, 2.0..=500.0).logarithmic(true).text("ms a frame"));
+                control.seconds = millis * 1e-3;
+            }
+        }
+        if let Some(controlled) = viewer.adapted.controlled {
+            let (drawn, target) = (controlled.change.triangles as f32, controlled.target as f32);
+            ui.weak(format!("{} of {} triangles", short(drawn, ""), short(target, "")));
+            if controlled.change.over_budget {
+                ui.weak("the coarsest levels are above the budget");
+            }
+        }
+        viewer.history.show(ui, [TRIANGLES, OUTPUT]);
+    });
+}
+
 fn picture(ui: &mut Ui, viewer: &mut Viewer) {
     let has_wire = viewer.has_wire();
     section(ui, "Picture", |ui| {
@@ -404,7 +446,7 @@ fn camera(ui: &mut Ui, viewer: &mut Viewer) {
 
 fn numbers(ui: &mut Ui, viewer: &Viewer) {
     section(ui, "Numbers", |ui| {
-        viewer.history.show(ui);
+        viewer.history.show(ui, 0..OUTPUT);
         if let Some(scene) = viewer.scene() {
             let [own, shared] = scene.card_memory();
             ui.weak(format!(

@@ -15,7 +15,9 @@ use crate::camera::{Lens, Orbit, Path, Pose, Tolerances};
 use crate::gpu::Gpu;
 use crate::headless::read_png;
 use crate::renderer::{Eye, Kind, LineEnd, Look, Paint, Renderer, Shading, Show, Target, Uploaded, Uploads};
-use crate::scene::{Adapted, BuildOptions, Loading, ModelError, Overlays, Scene, Source};
+use crate::scene::{
+    Adapted, BuildOptions, ControlOptions, Controller, Loading, ModelError, Overlays, Scene, Source,
+};
 
 /// Samples a pixel.
 const SAMPLES: u32 = 4;
@@ -28,6 +30,8 @@ pub struct Controls {
     pub build: BuildOptions,
     /// How instances follow the view.
     pub options: LodOptions,
+    /// How triangles or time are held over all objects.
+    pub control: ControlOptions,
     /// How large errors may be.
     pub tolerances: Tolerances,
     /// What colours surfaces.
@@ -107,6 +111,7 @@ impl Viewer {
         let controls = Controls {
             build: arguments.build(),
             options: arguments.options(),
+            control: arguments.control(),
             tolerances: arguments.tolerances(),
             shading: arguments.shading,
             wire: arguments.wire,
@@ -251,7 +256,7 @@ impl Viewer {
         let [width, height] = self.targets[0].size().map(f64::from);
         let high = (self.controls.field_of_view * 0.5).tan();
         let narrow = 2.0 * (high * (width / height).min(1.0)).atan();
-        let orbit = Orbit::framing(centre, 0.4 * size, narrow, self.controls.z_up);
+        let orbit = self.source.orbit(centre, size, narrow, self.controls.z_up);
         let flies = matches!(self.hands, Hands::Fly(_));
         self.hands = Hands::Orbit(orbit);
         self.hands.fly(flies, size);
@@ -309,6 +314,15 @@ impl Viewer {
             || self.glow > 0
             || self.adapted.change.pending > 0
             || self.adapted.change.moving > 0
+            || self.is_controlled()
+    }
+
+    /// Whether a controller is not at rest: it has just moved, what it asked for is still uploaded, or it goes by the time of
+    /// frames.
+    fn is_controlled(&self) -> bool {
+        let uploads = self.uploaded.indices + self.uploaded.vertices > 0;
+        let times = self.controls.control.controller == Controller::Time;
+        self.adapted.controlled.is_some_and(|controlled| controlled.settles || uploads || times)
     }
 
     /// Takes what was loaded, if it is there: before the panel is laid out.
@@ -370,6 +384,11 @@ impl Viewer {
         if let Err(error) = scene.set_options(device, &mut self.uploads, self.controls.options) {
             self.message = Some(error.to_string());
         }
+        if let Err(error) = scene.set_control(self.controls.control) {
+            self.message = Some(error.to_string());
+            self.controls.control = *scene.control();
+        }
+        scene.measured(elapsed.as_secs_f64());
         let pose = self.hands.pose();
 
         let seen = self.frozen.as_ref().map_or((pose, lens), |frozen| (frozen.pose, frozen.lens));
@@ -421,6 +440,7 @@ impl Viewer {
             micros(upload),
             elapsed.as_secs_f32() * 1e3,
             self.uploaded.bytes() as f32,
+            self.adapted.controlled.map_or(0.0, |controlled| controlled.output),
         ];
         self.history.push(numbers);
         self.scene = Some(scene);

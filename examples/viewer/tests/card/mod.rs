@@ -5,13 +5,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use multires::adapt::Geomorph;
+use multires::adapt::{Blend, Geomorph};
 use multires::lod::{Lod, LodOptions, VertexBuffer};
 use multires::mesh::{Attribute, Mesh, names};
 use multires::quality::{Camera, Colours, RenderOptions, render};
 use multires_viewer::camera::Pose;
 use multires_viewer::gpu::{self, Gpu};
-use multires_viewer::renderer::Vertex;
+use multires_viewer::renderer::{Vertex, card_morph};
 use multires_viewer::scene::{BuildOptions, Model};
 
 /// The card; without one says on stderr which test skips.
@@ -56,9 +56,15 @@ pub fn read_back(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: usize) -> Vec<u8> {
     copy.slice(..).get_mapped_range().unwrap().to_vec()
 }
 
-/// What an instance draws, from its slices, as a mesh.
+/// What an instance draws, from its slices, as a mesh; vertices that move on the card are moved here.
 pub fn mesh_of(lod: &dyn Lod, model: &Model) -> Mesh {
-    let vertices: &[Vertex] = bytemuck::cast_slice(lod.vertex_bytes());
+    let mut vertices: Vec<Vertex> = bytemuck::cast_slice(lod.vertex_bytes()).to_vec();
+    if let Some(morph) = card_morph(lod) {
+        let first = morph.first_moving as usize;
+        for (own, &target) in vertices[first..].iter_mut().zip(&model.baked().morph_targets()[first..]) {
+            *own = own.blend(&model.vertices()[target as usize], morph.share);
+        }
+    }
     let triangles: Vec<[u32; 3]> = (0..lod.groups()).flat_map(|g| lod.triangles(g).to_vec()).collect();
     let materials: Vec<u32> =
         (0..lod.groups()).flat_map(|g| vec![model.materials()[g]; lod.triangles(g).len()]).collect();
