@@ -59,7 +59,11 @@ impl Table {
         let next = self.errors.get(within).map_or(2.0 * f64::from(own), |&e| f64::from(e));
         let way = WAY * (next - f64::from(own));
         let gone = ((f64::from(error) - f64::from(own)) / way).min(1.0);
-        if gone < 1.0 { Morph::at(from as f32 + gone as f32 * (to - from) as f32, levels) } else { Morph { level: to, share: 0.0 } }
+        if gone < 1.0 {
+            Morph::at(from as f32 + gone as f32 * (to - from) as f32, levels)
+        } else {
+            Morph { level: to, share: 0.0 }
+        }
     }
 }
 
@@ -318,8 +322,10 @@ impl<V: Vertex> Lod for GmeshLod<V> {
         }
         self.options = *options;
         if moves {
-            self.moving = mix.map(|mix| Moving::new(mix, &self.values, self.now));
+            let at_rest = Morph { share: 0.0, ..self.now };
+            self.moving = mix.map(|mix| Moving::new(mix, &self.values, at_rest));
             self.views.clear();
+            self.place(self.now);
         }
         if rebuilt {
             self.invalidate();
