@@ -84,19 +84,17 @@ impl Crowd {
     }
 }
 
+/// A path: the pose of a frame.
+pub type Path = fn(usize) -> Pose;
+
 /// The paths by name, each with the triangles wanted along it: 0.85 of what the circle shows without control, and more than all objects
 /// of the way through have at their coarsest.
-pub const PATHS: [(&str, fn(usize) -> Pose, usize); 2] =
+pub const PATHS: [(&str, Path, usize); 2] =
     [("circle", circle, 500_000), ("through the middle", through, 250_000)];
 
 /// A flight along a path under control of a bias, of the objects as they are: triangles drawn and the bias, a frame each.
 /// `change` limits the bias's change in a frame; `None`: no control.
-pub fn biased(
-    stairs: &Stairs,
-    path: fn(usize) -> Pose,
-    change: Option<f64>,
-    wanted: usize,
-) -> Vec<(usize, f64)> {
+pub fn biased(stairs: &Stairs, path: Path, change: Option<f64>, wanted: usize) -> Vec<(usize, f64)> {
     let crowd = Crowd::new(10);
     let options = BiasOptions::default().with_triangles(wanted).with_tolerance(stairs.largest_step());
     let mut bias = Bias::new(options.with_change(change)).expect("options in their ranges");

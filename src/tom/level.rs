@@ -65,9 +65,12 @@ impl TotallyOrderedMesh {
 
     /// Returns the vertices of the coarsest resolution known to be within an error. O(log marks).
     pub(super) fn vertices_within(&self, error: f32) -> u32 {
-        // Bounds fall from mark to mark. The comparison is false for NaN.
-        let above = self.error_marks.partition_point(|mark| !(mark.error <= error));
-        self.error_marks.get(above).map_or(self.substitute.len() as u32, |mark| mark.vertices)
+        // Bounds fall from mark to mark.
+        let above = self.error_marks.partition_point(|mark| mark.error > error);
+        self.error_marks
+            .get(above)
+            .filter(|mark| mark.error <= error)
+            .map_or(self.substitute.len() as u32, |mark| mark.vertices)
     }
 
     /// Returns the next coarser resolution: a group of vertices less. `None` at the base.

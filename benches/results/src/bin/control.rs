@@ -56,9 +56,9 @@ fn bias(out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let titles = ["Circle: thousands of triangles drawn", "Through the middle: thousands of triangles drawn"];
     for ((name, path, wanted), title) in crowd::PATHS.into_iter().zip(titles) {
         let runs = [None, Some(0.01), Some(0.1)].map(|change| crowd::biased(&stairs, path, change, wanted));
-        for frame in 0..crowd::FRAMES {
-            let [(a, _), (b, slow), (c, quick)] = [0, 1, 2].map(|run: usize| runs[run][frame]);
-            writeln!(csv, "{name},{frame},{a},{b},{c},{slow:.4},{quick:.4}")?;
+        let frames = runs[0].iter().zip(&runs[1]).zip(&runs[2]).enumerate();
+        for (frame, (((free, _), (slowly, slow)), (quickly, quick))) in frames {
+            writeln!(csv, "{name},{frame},{free},{slowly},{quickly},{slow:.4},{quick:.4}")?;
         }
         for (run, name) in runs.iter().zip(names) {
             let outside = |from: usize| {
