@@ -427,7 +427,7 @@ fn bad_usage_is_said_before_anything_is_read() {
         (&["build", i, o, "--structure", "tom"], ".mres"),
         (&["build", i, b, "--structure", "tom", "--placement", "optimal"], "endpoint"),
         (&["extract", b, o], "--level"),
-        (&["extract", b, o, "--level", "1.5"], "from 0 to 1"),
+        (&["extract", b, o, "--level=-1"], "from 0 to 1"),
         (&["extract", b, o, "--ratio", "1", "--level", "1"], "--level"),
         (&["extract", b, "out.mres", "--ratio", "1"], "extension"),
     ] {
