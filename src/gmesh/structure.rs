@@ -17,7 +17,7 @@ pub struct GmeshLevel {
     pub volume: Option<f64>,
 }
 
-/// A g-mesh: levels of detail that turn into each other by moving vertices. Immutable; see the [module](self).
+/// A g-mesh: levels of detail that turn into each other by moving vertices. Immutable; see the [module](super).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::GmeshParts", into = "super::GmeshParts"))]

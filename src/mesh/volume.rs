@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{Mesh, Topology};
 
 /// An edge that is not traversed equally often in both directions.
+#[cfg_attr(not(feature = "quality"), allow(dead_code))]
 pub(crate) struct UnbalancedEdge {
     /// A vertex at each end.
     pub edge: [u32; 2],
