@@ -38,7 +38,8 @@ pub trait Lod: Send {
     /// Goes to the full resolution at once, within the triangle limit.
     fn refine_fully(&mut self) -> Change;
 
-    /// Draws the last level asked for, at once, every vertex at its own place: after a cut to another camera, for example.
+    /// Draws the last level asked for, at once, every vertex at its own place: after a cut to another camera, for example. A
+    /// g-mesh rests between two levels as well: its vertices go to their places in the state asked for.
     fn settle(&mut self);
 
     /// Returns the options.
