@@ -6,6 +6,7 @@ use crate::gmesh::{GmeshError, PartitionError};
 use crate::hierarchy::HierarchyError;
 use crate::lod::LodError;
 use crate::progressive::ProgressiveError;
+use crate::remesh::RemeshError;
 use crate::sequence::SequenceError;
 use crate::simplify::OptionError;
 use crate::tom::TomError;
@@ -48,6 +49,8 @@ pub enum Error {
     Hierarchy(#[from] HierarchyError),
     /// An error of a wavelet mesh.
     Wavelet(#[from] WaveletError),
+    /// An error of a remeshing.
+    Remesh(#[from] RemeshError),
     /// An error of an instance.
     Lod(#[from] LodError),
     /// An error of a view.
@@ -77,6 +80,7 @@ impl Error {
                 | Self::Gmesh(GmeshError::Cancelled)
                 | Self::Hierarchy(HierarchyError::Cancelled)
                 | Self::Wavelet(WaveletError::Cancelled)
+                | Self::Remesh(RemeshError::Cancelled | RemeshError::Wavelet(WaveletError::Cancelled))
         )
     }
 }

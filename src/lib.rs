@@ -118,6 +118,7 @@ pub mod prelude;
 pub mod progressive;
 #[cfg(feature = "quality")]
 pub mod quality;
+pub mod remesh;
 pub mod sequence;
 pub mod simplify;
 pub mod tom;

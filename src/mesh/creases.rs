@@ -147,6 +147,12 @@ impl Mesh {
         mesh
     }
 
+    /// Replaces the normals by others, and makes tangents perpendicular to them.
+    pub(crate) fn with_normals(mut self, normals: &[[f32; 3]]) -> Self {
+        self.replace_normals(normals);
+        self
+    }
+
     /// Removes normals and tangents.
     #[must_use]
     pub fn without_normals(&self) -> Mesh {

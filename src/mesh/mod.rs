@@ -13,6 +13,7 @@
 //! | `gather.rs` | submeshes: selected vertices with their attributes |
 //! | `midpoints.rs` | vertices at the midpoint of two others, smooth normals |
 //! | `near.rs` | nearly coincident positions: [`Mesh::welded`] |
+//! | `mesh_point.rs` | [`MeshPoint`]: a point of the surface |
 //! | `report.rs` | [`Report`]: counts, borders, non-manifold parts |
 //! | `volume.rs` | enclosed volume |
 //! | `vertices.rs` | meshes from an engine's vertex and index buffers |
@@ -24,6 +25,7 @@ mod blend;
 mod creases;
 mod edges;
 mod gather;
+mod mesh_point;
 mod midpoints;
 mod near;
 mod report;
@@ -38,6 +40,7 @@ pub use adjacency::Adjacency;
 pub use attribute::{Attribute, AttributeValues, names};
 pub use creases::{Creases, NormalWeights};
 pub use edges::Edges;
+pub use mesh_point::MeshPoint;
 pub(crate) use near::{border_twins, rounding};
 pub use report::Report;
 pub use tolerances::Tolerances;

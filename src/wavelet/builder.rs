@@ -2,11 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use crate::lod::{Baked, Mixture, Origins, Progress};
-use crate::mesh::{Mesh, Topology};
+use crate::lod::{Baked, Origins, Mixture, Progress};
+use crate::mesh::{Mesh, MeshPoint, Topology};
 
+use super::sources::Sources;
 use super::subdivision::build::SubdivisionBuilder;
-use super::{WaveletError, WaveletMesh, WaveletOptions};
+use super::{DomainPoint, WaveletError, WaveletMesh, WaveletOptions};
 
 /// A new vertex: the midpoint of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Midpoint {
     pub positions: [[f32; 3]; 2],
     /// Mean of both positions, object units.
     pub middle: [f32; 3],
+    /// Place on the base: of an edge of the base, in one of the base faces there.
+    pub domain: DomainPoint,
 }
 
 /// A face which may be split.
@@ -34,6 +37,8 @@ pub struct Face {
     pub vertices: [u32; 3],
     /// Positions of the corners, object units.
     pub corners: [[f32; 3]; 3],
+    /// Barycentric coordinates of the corners in the base face.
+    pub barycentric: [[f64; 3]; 3],
 }
 
 /// Vertices not in the base, with their ends.
@@ -105,7 +110,14 @@ impl WaveletBuilder {
         let at = |vertex: u32| self.positions[vertex as usize];
         let faces = self.builder.last_level().map(|face| {
             let vertices = of.corners(face);
-            split(&Face { level, base_face: of.base_face_of(face), vertices, corners: vertices.map(at) })
+            let places = of.domain_of_face(face).unwrap_or([DomainPoint::new(0, [0.0; 3]); 3]);
+            split(&Face {
+                level,
+                base_face: places[0].base_face,
+                vertices,
+                corners: vertices.map(at),
+                barycentric: places.map(|place| place.barycentric),
+            })
         });
         let faces = faces.collect();
         let before = of.wavelet_count() as u32;
@@ -116,7 +128,9 @@ impl WaveletBuilder {
             let Some(ends) = of.ends(vertex) else { continue };
             let positions = ends.map(|end| self.positions[end as usize]);
             let middle = std::array::from_fn(|i| 0.5 * positions[0][i] + 0.5 * positions[1][i]);
-            let position = place(&Midpoint { level: level + 1, ends, positions, middle });
+            let along = of.faces_along(wavelet).next();
+            let domain = along.map_or(DomainPoint::new(0, [0.0; 3]), |side| of.domain_beside(wavelet, side));
+            let position = place(&Midpoint { level: level + 1, ends, positions, middle, domain });
             if !position.iter().all(|x| x.is_finite()) {
                 let vertex = vertex as usize;
                 return Err(crate::error::MeshError::NonFinitePosition { vertex, position }.into());
@@ -159,6 +173,57 @@ impl WaveletBuilder {
             None,
             Origins::new(input, order, mixtures).folded_as(&base, &Topology::new(&base)),
         ))
+    }
+
+    /// Builds the mesh as a baked model of another surface, to which the base's points are mapped: `at` returns the point of
+    /// `source` at a place on the base. Attributes of every vertex, base vertices included, are those of `source` there, on
+    /// the vertex's own side of a seam; [`Baked::arrange_blended`] does as much for values of the source's vertices.
+    /// `progress` receives the progress, 0 to 1, and may break.
+    ///
+    /// # Errors
+    /// Too many materials, a triangle that `source` does not have, or `progress` breaks.
+    pub fn bake_from(
+        self,
+        source: &Mesh,
+        options: &WaveletOptions,
+        mut at: impl FnMut(&DomainPoint) -> MeshPoint,
+        mut progress: impl FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Baked<WaveletMesh>, WaveletError> {
+        let Self { builder, base, mut positions } = self;
+        let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
+        for double in &subdivision.seam_vertices {
+            positions.push(positions[subdivision.vertex_of(double.0) as usize]);
+        }
+        let input = source.positions().len();
+        let mut corner_of = vec![None; subdivision.base_vertices as usize];
+        for (face, corners) in (0..).zip(base.triangles()) {
+            for (corner, &vertex) in corners.iter().enumerate() {
+                let unit = std::array::from_fn(|k| f64::from(k == corner));
+                corner_of[vertex as usize].get_or_insert(DomainPoint::new(face, unit));
+            }
+        }
+        let mut sources = Sources::new(source);
+        for vertex in 0..subdivision.vertex_count() as u32 {
+            let place = match corner_of.get(vertex as usize) {
+                Some(&corner) => corner,
+                None => subdivision.domain_of(vertex).next(),
+            };
+            // A base vertex of no face is of no use.
+            let point = place.map_or(MeshPoint::new(0, [1.0, 0.0, 0.0]), |place| at(&place));
+            if !sources.push(&point) && (place.is_some() || !source.triangles().is_empty()) {
+                let at = point.triangle as usize;
+                return Err(WaveletError::Invalid { what: "the source has no triangle", at });
+            }
+        }
+        let (attributes, order, mixtures) = sources.finish();
+        let names = source.material_names().to_vec();
+        let vertices =
+            Mesh::from_trusted(positions, Vec::new(), attributes, Vec::new(), names, Vec::new())
+                .at_origin_of(source);
+        let mesh =
+            WaveletMesh::assemble(subdivision, vertices, base.materials(), options, &mut progress)?;
+        let origins = Origins::new(input, order, mixtures).folded_as(source, &Topology::new(source));
+        Ok(Baked::new(mesh, None, origins))
     }
 
     /// Builds the mesh. Also returns all vertices not in the base with their ends; a vertex comes after its ends.

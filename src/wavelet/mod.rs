@@ -10,6 +10,7 @@
 //! | `recognise/` | finding the coarsest mesh from which a mesh is subdivided |
 //! | `subdivision/` | [`Subdivision`]: faces, wavelets, parents and children; building one level by level |
 //! | `builder.rs` | [`WaveletBuilder`]: from a base mesh |
+//! | `sources.rs` | vertices at points of another mesh |
 //! | `heights.rs` | terrain from a grid of heights of any size |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
 //! | `bounds/` | bounds of the change when a wavelet is left out |
@@ -35,6 +36,7 @@ mod mesh;
 mod options;
 mod parts;
 mod recognise;
+mod sources;
 mod subdivision;
 mod transform;
 mod truncate;

@@ -1,0 +1,40 @@
+//! Remeshing: any mesh as a mesh with subdivision connectivity.
+//!
+//! Hardly any mesh has subdivision connectivity, as [`wavelet`](crate::wavelet) meshes need it. A [`Remesher`] simplifies the
+//! mesh to a base and keeps a one-to-one map between both, the [`Parameterisation`]: every collapse is a change of the
+//! triangulation of a flat polygon, so points of one triangulation are points of the other (Lee et al. 1998, MAPS:
+//! Multiresolution Adaptive Parameterization of Surfaces; Liu et al. 2020, Neural Subdivision, for the composition of maps).
+//! The remesh has its vertices at the images of the dyadic points of the base.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `remesher.rs` | [`Remesher`]: options, and the run |
+//! | `features.rs` | [`Features`]: edges that base edges must follow |
+//! | `sectors.rs` | the mesh cut along its features, for the simplifier |
+//! | `oracle.rs` | rules for collapses that make a base |
+//! | `flatten.rs` | the star of a vertex in the plane |
+//! | `coarsen.rs` | from a mesh to a base, with the map of every collapse |
+//! | `layout.rs` | the list of maps; points travel both ways |
+//! | `parameterisation.rs` | [`Parameterisation`]: base, and the map between mesh and base |
+//! | `distortion.rs` | [`Distortion`]: how far the map is from keeping angles and areas |
+//! | `depth.rs` | [`Depth`]: which faces to split |
+//! | `error.rs` | [`RemeshError`] |
+
+mod coarsen;
+mod depth;
+mod distortion;
+mod error;
+mod features;
+mod flatten;
+mod layout;
+mod oracle;
+mod parameterisation;
+mod remesher;
+mod sectors;
+
+pub use depth::Depth;
+pub use distortion::{Distortion, Spread};
+pub use error::RemeshError;
+pub use features::{Creasing, Features};
+pub use parameterisation::Parameterisation;
+pub use remesher::Remesher;

@@ -1,0 +1,192 @@
+//! A mesh over a base: every point of one has its point on the other.
+
+use std::borrow::Cow;
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use crate::lod::Baked;
+use crate::mesh::{Mesh, MeshPoint, NONE, names};
+use crate::wavelet::{DomainPoint, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions};
+
+use super::coarsen::Coarse;
+use super::layout::{Layout, Place};
+use super::sectors::Sectors;
+use super::{Depth, RemeshError};
+
+/// Share of a bake's time until the bounds are computed.
+const PLACING: f32 = 0.3;
+
+/// A one-to-one map between a mesh and its base: continuous, and linear in pieces. Made by a
+/// [`Remesher`](super::Remesher).
+///
+/// Base vertices are vertices of the mesh. Points on borders, seams, material borders and creases lie on edges of the base.
+/// For baking textures and normal maps, and to bring attributes or poses from one to the other.
+#[derive(Debug, Clone)]
+pub struct Parameterisation {
+    base: Mesh,
+    layout: Layout,
+    /// Face of the layout of every base face, ascending.
+    faces: Vec<u32>,
+    source_triangles: usize,
+    /// Per vertex of the mesh its sector, over which normals are to be smooth; empty where the mesh's normals are kept.
+    smooth_over: Vec<u32>,
+}
+
+impl Parameterisation {
+    pub(super) fn new(source: &Mesh, sectors: &Sectors, coarse: Coarse) -> Self {
+        let Coarse { layout, corners } = coarse;
+        let is_base = |&face: &u32| {
+            layout.is_last(face) && sectors.is_face.get(face as usize).is_none_or(|&is_face| is_face)
+        };
+        let faces: Vec<u32> = (0..layout.face_count() as u32).filter(is_base).collect();
+        // A vertex of the source for every sector.
+        let mut vertex_of = vec![NONE; sectors.mesh.positions().len()];
+        for (sector_corners, vertices) in sectors.mesh.triangles().iter().zip(source.triangles()).rev() {
+            for k in 0..3 {
+                vertex_of[sector_corners[k] as usize] = vertices[k];
+            }
+        }
+        let mut number = vec![NONE; vertex_of.len()];
+        let mut order = Vec::new();
+        let triangles = faces.iter().map(|&face| {
+            corners[face as usize].map(|sector| {
+                let slot = &mut number[sector as usize];
+                if *slot == NONE {
+                    *slot = order.len() as u32;
+                    order.push(vertex_of[sector as usize]);
+                }
+                *slot
+            })
+        });
+        let triangles: Vec<[u32; 3]> = triangles.collect();
+        let middle = |&face: &u32| layout.up(Place { face, weights: [1.0 / 3.0; 3] }).face;
+        let materials = match source.materials() {
+            [] => Vec::new(),
+            materials => faces.iter().map(|face| materials[middle(face) as usize]).collect(),
+        };
+        let base = source.gather(&order, triangles, materials);
+        let mut smooth_over = Vec::new();
+        if !sectors.keeps_normals {
+            smooth_over = vec![0; source.positions().len()];
+            for (sectors, vertices) in sectors.mesh.triangles().iter().zip(source.triangles()) {
+                (0..3).for_each(|k| smooth_over[vertices[k] as usize] = sectors[k]);
+            }
+        }
+        Self { base, layout, faces, source_triangles: source.triangles().len(), smooth_over }
+    }
+
+    /// Returns the base: vertices of the mesh with all attributes, materials by triangle.
+    pub fn base(&self) -> &Mesh {
+        &self.base
+    }
+
+    /// Returns the point of the mesh at a place on the base. `None` if the base face does not exist, or no coordinate is
+    /// above 0. Negative coordinates count as 0. O(log n) expected.
+    pub fn to_mesh(&self, domain: &DomainPoint) -> Option<MeshPoint> {
+        let face = *self.faces.get(domain.base_face as usize)?;
+        let weights = normalised(domain.barycentric)?;
+        let place = self.layout.up(Place { face, weights });
+        Some(MeshPoint::new(place.face, place.weights))
+    }
+
+    /// Returns the place on the base of a point of the mesh. `None` if the triangle does not exist or has two equal points,
+    /// or no coordinate is above 0. Negative coordinates count as 0. O(log n) expected.
+    pub fn to_base(&self, point: &MeshPoint) -> Option<DomainPoint> {
+        if point.triangle as usize >= self.source_triangles {
+            return None;
+        }
+        let weights = normalised(point.barycentric)?;
+        let place = self.layout.down(Place { face: point.triangle, weights });
+        let base_face = self.faces.binary_search(&place.face).ok()? as u32;
+        Some(DomainPoint::new(base_face, place.weights))
+    }
+
+    /// Remeshes: subdivides the base, with every new vertex at its point of `mesh`, and all attributes there. `mesh` is the
+    /// mesh that the map was made from, or one with the same triangles in another pose or with other attributes.
+    ///
+    /// # Errors
+    /// Another number of triangles, or too many faces.
+    pub fn bake(
+        &self,
+        mesh: &Mesh,
+        depth: Depth,
+        options: &WaveletOptions,
+    ) -> Result<Baked<WaveletMesh>, RemeshError> {
+        self.bake_with(mesh, depth, options, |_| ControlFlow::Continue(()))
+    }
+
+    /// Remeshes with progress: the share done, 0 to 1. Where `progress` breaks, the run ends.
+    ///
+    /// # Errors
+    /// Another number of triangles, too many faces, or `progress` breaks.
+    pub fn bake_with(
+        &self,
+        mesh: &Mesh,
+        depth: Depth,
+        options: &WaveletOptions,
+        mut progress: impl FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Baked<WaveletMesh>, RemeshError> {
+        if mesh.triangles().len() != self.source_triangles {
+            let (found, expected) = (mesh.triangles().len(), self.source_triangles);
+            return Err(WaveletError::Length { what: "triangles", found, expected }.into());
+        }
+        let mesh = &*self.with_smooth_normals(mesh);
+        let mut builder = WaveletBuilder::new(&self.posed_base(mesh))?;
+        let at = |domain: &DomainPoint| {
+            self.to_mesh(domain).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]))
+        };
+        let place = |domain: &DomainPoint| {
+            at(domain).position(mesh).unwrap_or_default().map(|x| x as f32)
+        };
+        depth.subdivide(self, mesh, &mut builder, place)?;
+        if progress(PLACING).is_break() {
+            return Err(RemeshError::Cancelled);
+        }
+        let rest = |share: f32| progress(PLACING + (1.0 - PLACING) * share);
+        Ok(builder.bake_from(mesh, options, |domain| at(domain), rest)?)
+    }
+
+    /// Returns the mesh with normals smooth up to features, where its own are hard everywhere.
+    fn with_smooth_normals<'a>(&self, mesh: &'a Mesh) -> Cow<'a, Mesh> {
+        if self.smooth_over.len() != mesh.positions().len() || mesh.attribute(names::NORMAL).is_none() {
+            return Cow::Borrowed(mesh);
+        }
+        let sectors = self.smooth_over.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut sums = vec![DVec3::ZERO; sectors];
+        for corners in mesh.triangles() {
+            let [a, b, c] = corners.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+            let normal = (b - a).cross(c - a);
+            corners.iter().for_each(|&v| sums[self.smooth_over[v as usize] as usize] += normal);
+        }
+        let unit = |&sector: &u32| sums[sector as usize].normalize_or(DVec3::Z).as_vec3().to_array();
+        let normals: Vec<[f32; 3]> = self.smooth_over.iter().map(unit).collect();
+        Cow::Owned(mesh.clone().with_normals(&normals))
+    }
+
+    /// Returns the base with the positions of another pose.
+    fn posed_base(&self, mesh: &Mesh) -> Mesh {
+        let mut positions = vec![[0.0; 3]; self.base.positions().len()];
+        for (face, corners) in (0..).zip(self.base.triangles()) {
+            for (k, &vertex) in corners.iter().enumerate() {
+                let unit = std::array::from_fn(|i| f64::from(i == k));
+                if let Some(point) = self.to_mesh(&DomainPoint::new(face, unit)) {
+                    positions[vertex as usize] = point.position(mesh).unwrap_or_default().map(|x| x as f32);
+                }
+            }
+        }
+        self.base.clone().with_positions(positions)
+    }
+
+    /// Returns the bytes of the map's arrays, without the base.
+    pub fn memory(&self) -> usize {
+        self.layout.memory() + size_of_val(&self.faces[..])
+    }
+}
+
+fn normalised(weights: [f64; 3]) -> Option<[f64; 3]> {
+    let positive = weights.map(|weight| weight.max(0.0));
+    let sum: f64 = positive.iter().sum();
+    (sum > 0.0 && sum.is_finite() && weights.iter().all(|weight| weight.is_finite()))
+        .then(|| positive.map(|weight| weight / sum))
+}

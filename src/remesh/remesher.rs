@@ -1,0 +1,102 @@
+//! Options of a remeshing, and the run.
+
+use std::ops::ControlFlow;
+
+use crate::mesh::Mesh;
+use crate::simplify::metric::{ErrorMetric, MemorylessQuadric};
+
+use super::coarsen::coarsen;
+use super::parameterisation::Parameterisation;
+use super::sectors::split;
+use super::{Features, RemeshError};
+
+/// Base faces by default.
+const BASE_FACES: usize = 500;
+
+/// Finds a base of few triangles and a one-to-one map between it and a mesh.
+///
+/// Any mesh will do: any genus, open or not, several components, non-manifold. The map keeps borders, seams, material
+/// borders and creases on edges of the base ([`Features`]).
+///
+/// ```
+/// use multires::mesh::shapes;
+/// use multires::remesh::{Depth, Remesher};
+/// use multires::wavelet::WaveletOptions;
+///
+/// let mesh = shapes::rock(5_000, 1);
+/// let map = Remesher::new().base_faces(100).run(&mesh)?;
+/// assert_eq!(map.base().triangles().len(), 100);
+///
+/// // 100 faces, split four to one three times: a model that adapts to views.
+/// let model = map.bake(&mesh, Depth::Levels(3), &WaveletOptions::default())?;
+/// assert_eq!(model.structure().subdivision().leaf_count(), 6_400);
+/// # Ok::<(), multires::remesh::RemeshError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Remesher<M = MemorylessQuadric> {
+    metric: M,
+    base_faces: usize,
+    features: Features,
+}
+
+impl Default for Remesher {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Remesher {
+    /// Creates a remesher with the defaults.
+    pub fn new() -> Self {
+        Self { metric: MemorylessQuadric::new(), base_faces: BASE_FACES, features: Features::new() }
+    }
+}
+
+impl<M: ErrorMetric> Remesher<M> {
+    /// Sets the number of base faces to aim at. Default: 500. More are left where features, the topology or the shape of
+    /// triangles forbid fewer.
+    #[must_use]
+    pub fn base_faces(mut self, count: usize) -> Self {
+        self.base_faces = count;
+        self
+    }
+
+    /// Sets the cost of the collapses that make the base. Default: [`MemorylessQuadric`], which had the least distortion of
+    /// all metrics on scans.
+    #[must_use]
+    pub fn metric<N: ErrorMetric>(self, metric: N) -> Remesher<N> {
+        Remesher { metric, base_faces: self.base_faces, features: self.features }
+    }
+
+    /// Sets the edges that base edges must follow.
+    #[must_use]
+    pub fn features(mut self, features: Features) -> Self {
+        self.features = features;
+        self
+    }
+
+    /// Finds base and map. O(n log n).
+    ///
+    /// # Errors
+    /// The mesh has no triangles.
+    pub fn run(&mut self, mesh: &Mesh) -> Result<Parameterisation, RemeshError> {
+        self.run_with(mesh, |_| ControlFlow::Continue(()))
+    }
+
+    /// Finds base and map, with progress: the share done, 0 to 1. Where `progress` breaks, the run ends.
+    ///
+    /// # Errors
+    /// The mesh has no triangles, or `progress` breaks.
+    pub fn run_with(
+        &mut self,
+        mesh: &Mesh,
+        mut progress: impl FnMut(f32) -> ControlFlow<()>,
+    ) -> Result<Parameterisation, RemeshError> {
+        let sectors = split(mesh, &self.features)?;
+        if !sectors.is_face.contains(&true) {
+            return Err(RemeshError::Empty);
+        }
+        let coarse = coarsen(&sectors, &mut self.metric, self.base_faces, &mut progress)?;
+        Ok(Parameterisation::new(mesh, &sectors, coarse))
+    }
+}

@@ -1,0 +1,163 @@
+//! Sectors: the triangles around a point between two feature edges.
+//!
+//! ```text
+//!        \  2 /                A vertex for every sector of every point, so that feature curves are seams of the mesh given
+//!      1  \  /                 to the simplifier: a sector moves along with its curve and never leaves it. A point without
+//!      ----*---- feature       feature edges has one sector; so has a point where a single curve ends.
+//!        3  \
+//! ```
+
+use std::borrow::Cow;
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::sets::Sets;
+use crate::mesh::{Attribute, AttributeValues, Edges, Mesh, NONE, Tolerances, Topology};
+use crate::simplify::{Normals, NormalsDone, WorkingSurface};
+
+use super::{Creasing, Features, RemeshError};
+
+/// Largest turn of a curve at a point which is no corner, degrees.
+const CORNER_DEGREES: f64 = 45.0;
+
+/// A mesh with one vertex a sector.
+pub(super) struct Sectors {
+    /// Positions of sectors, triangles of the input over sectors (degenerate triangles left as they are), labels, locks.
+    pub mesh: Mesh,
+    /// Whether each input triangle has three different points.
+    pub is_face: Vec<bool>,
+    /// Whether normals of the input make features. Otherwise they are hard everywhere.
+    pub keeps_normals: bool,
+}
+
+/// Splits a mesh along its features.
+pub(super) fn split(mesh: &Mesh, features: &Features) -> Result<Sectors, RemeshError> {
+    let keeps_normals = Normals::Automatic.resolve(mesh)? == NormalsDone::Kept;
+    let bare = if keeps_normals { Cow::Borrowed(mesh) } else { Cow::Owned(mesh.without_normals()) };
+    let topology = Topology::with(&bare, &Tolerances::default());
+    let point_of = topology.point_of();
+    let points: Vec<[u32; 3]> =
+        mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+    let is_face: Vec<bool> = points.iter().map(|[a, b, c]| a != b && b != c && c != a).collect();
+    let edges = Edges::new(&points, topology.point_count());
+    let is_feature = feature_edges(&bare, &topology, &points, &edges, features);
+
+    // Corners on both sides of other edges are of one sector.
+    let mut sets = Sets::new(3 * points.len());
+    for edge in (0..edges.len() as u32).filter(|&edge| !is_feature[edge as usize]) {
+        let &[a, b] = edges.half_edges(edge) else { continue };
+        let next = |h: u32| h - h % 3 + (h + 1) % 3;
+        sets.join(a, next(b));
+        sets.join(next(a), b);
+    }
+    let mut number = vec![NONE; 3 * points.len()];
+    let mut labels_of_point = vec![0u32; topology.point_count()];
+    let (mut positions, mut sector_point, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+    let mut triangles = Vec::with_capacity(points.len());
+    for (t, corners) in points.iter().enumerate() {
+        triangles.push([0, 1, 2].map(|k| {
+            let corner = sets.find((3 * t + k) as u32);
+            let slot = &mut number[corner as usize];
+            if *slot == NONE {
+                *slot = positions.len() as u32;
+                let point = corners[k];
+                positions.push(mesh.positions()[topology.vertex_of_point()[point as usize] as usize]);
+                sector_point.push(point);
+                labels.push(labels_of_point[point as usize]);
+                labels_of_point[point as usize] += 1;
+            }
+            *slot
+        }));
+    }
+    let curves: Vec<[u32; 2]> = (0..edges.len())
+        .filter(|&edge| is_feature[edge])
+        .map(|edge| edges.ends()[edge])
+        .collect();
+    let corners = corners(mesh, &topology, &curves);
+    let locks: Vec<bool> = sector_point.iter().map(|&point| corners[point as usize]).collect();
+    let label = Attribute::new("sector", 1, AttributeValues::Uint(labels));
+    let sectors = Mesh::new(positions, triangles)?.with_attribute(label)?.with_locks(locks)?;
+    Ok(Sectors { mesh: sectors, is_face, keeps_normals })
+}
+
+/// Finds the feature edges: all edges but those between two triangles of equal orientation, material and values that meet at
+/// less than the crease angle.
+fn feature_edges(
+    mesh: &Mesh,
+    topology: &Topology,
+    points: &[[u32; 3]],
+    edges: &Edges,
+    features: &Features,
+) -> Vec<bool> {
+    let wedge = |half_edge: u32| topology.wedge_of()[mesh.indices()[half_edge as usize] as usize];
+    let next = |h: u32| h - h % 3 + (h + 1) % 3;
+    let material = |h: u32| mesh.materials().get(h as usize / 3).copied().unwrap_or(0);
+    let at = |point: u32| Vec3::from(mesh.positions()[topology.vertex_of_point()[point as usize] as usize]);
+    let normal = |h: u32| {
+        let [a, b, c] = points[h as usize / 3].map(|p| at(p).as_dvec3());
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let mut is_feature: Vec<bool> = (0..edges.len() as u32)
+        .map(|edge| {
+            let &[a, b] = edges.half_edges(edge) else { return true };
+            edges.is_flipped(edge)
+                || wedge(a) != wedge(next(b))
+                || wedge(next(a)) != wedge(b)
+                || material(a) != material(b)
+                || matches!(features.creasing, Creasing::Angle(degrees)
+                    if normal(a).dot(normal(b)) < f64::from(degrees).to_radians().cos())
+        })
+        .collect();
+    for marked in &features.marked {
+        let ends = marked.map(|v| topology.point_of().get(v as usize).copied().unwrap_or(NONE));
+        if let Some(edge) = edges.find(ends[0], ends[1]) {
+            is_feature[edge as usize] = true;
+        }
+    }
+    if features.creasing == Creasing::Automatic {
+        let surface = WorkingSurface::new(mesh, topology);
+        let curves = surface.curves();
+        for edge in 0..curves.edge_count() as u32 {
+            let [a, b] = curves.ends(edge);
+            if let Some(edge) = edges.find(a, b) {
+                is_feature[edge as usize] = true;
+            }
+        }
+    }
+    is_feature
+}
+
+/// Returns which points are corners: locked by the caller, or where a curve turns sharply. Curves of which more than a
+/// quarter of the points turn sharply are the ragged borders of scans: they have no corners.
+fn corners(mesh: &Mesh, topology: &Topology, curves: &[[u32; 2]]) -> Vec<bool> {
+    let mut is_corner = vec![false; topology.point_count()];
+    for (vertex, _) in mesh.locks().iter().enumerate().filter(|(_, locked)| **locked) {
+        is_corner[topology.point_of()[vertex] as usize] = true;
+    }
+    let mut sets = Sets::new(topology.point_count());
+    let mut around: Vec<(u32, u32)> = Vec::with_capacity(2 * curves.len());
+    for &[a, b] in curves {
+        sets.join(a, b);
+        around.extend([(a, b), (b, a)]);
+    }
+    around.sort_unstable();
+    let at = |p: u32| DVec3::from_array(mesh.positions()[topology.vertex_of_point()[p as usize] as usize].map(f64::from));
+    let least = CORNER_DEGREES.to_radians().cos();
+    let mut sharp = Vec::new();
+    let mut counts = vec![[0u32; 2]; topology.point_count()];
+    for star in around.chunk_by(|a, b| a.0 == b.0) {
+        let &[(point, a), (_, b)] = star else { continue };
+        let set = sets.find(point) as usize;
+        counts[set][0] += 1;
+        let (before, after) = ((at(point) - at(a)).normalize_or_zero(), (at(b) - at(point)).normalize_or_zero());
+        if before.dot(after) < least {
+            sharp.push(point);
+            counts[set][1] += 1;
+        }
+    }
+    for point in sharp {
+        let [all, sharp] = counts[sets.find(point) as usize];
+        is_corner[point as usize] |= 4 * sharp <= all.max(16);
+    }
+    is_corner
+}
