@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::lod::{Baked, Origins, Mixture, Progress};
+use crate::lod::{Baked, Mixture, Origins, Progress};
 use crate::mesh::{Mesh, MeshPoint, Topology};
 
 use super::sources::Sources;
@@ -217,11 +217,9 @@ impl WaveletBuilder {
         }
         let (attributes, order, mixtures) = sources.finish();
         let names = source.material_names().to_vec();
-        let vertices =
-            Mesh::from_trusted(positions, Vec::new(), attributes, Vec::new(), names, Vec::new())
-                .at_origin_of(source);
-        let mesh =
-            WaveletMesh::assemble(subdivision, vertices, base.materials(), options, &mut progress)?;
+        let vertices = Mesh::from_trusted(positions, Vec::new(), attributes, Vec::new(), names, Vec::new())
+            .at_origin_of(source);
+        let mesh = WaveletMesh::assemble(subdivision, vertices, base.materials(), options, &mut progress)?;
         let origins = Origins::new(input, order, mixtures).folded_as(source, &Topology::new(source));
         Ok(Baked::new(mesh, None, origins))
     }
