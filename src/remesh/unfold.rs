@@ -17,9 +17,9 @@ use super::cells::{BaseEdges, Cell};
 use super::corners::{Corner, Corners, barycentric};
 
 /// Passes over the cells that face away.
-const PASSES: usize = 4;
-/// Distances tried, in cells.
-const DISTANCES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
+const PASSES: usize = 8;
+/// Distances tried from where a corner is, in cells.
+const DISTANCES: [f64; 5] = [0.1, 0.2, 0.4, 0.7, 1.0];
 
 /// Corners that were moved, and cells that still face away.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +53,7 @@ pub(super) fn unfold(map: &Parameterisation, mesh: &Mesh, level: usize) -> Unfol
         let rows = map.rows(mesh, face as u32, level);
         let is_folded = |&cell: &Cell| {
             let points = cell.corners().map(|[i, j]| rows[usize::from(j)][usize::from(i)]);
-            of_face.is_folded_with(cell, points)
+            of_face.fold_of(cell, points) > 0.0
         };
         Cell::of_level(face as u32, level).filter(is_folded).collect::<Vec<Cell>>()
     });
@@ -106,20 +106,25 @@ impl Folds<'_> {
 
     /// Whether a cell faces away from the mesh at its corners and in the middle.
     fn is_folded(&self, cell: Cell) -> bool {
-        self.is_folded_with(cell, cell.corners().map(|at| self.point(&self.place(cell.base, at))))
+        let points = cell.corners().map(|at| self.point(&self.place(cell.base, at)));
+        self.fold_of(cell, points) > 0.0
     }
 
-    fn is_folded_with(&self, cell: Cell, points: [(DVec3, DVec3); 3]) -> bool {
+    /// Returns how far a cell faces away from the mesh: minus the largest cosine between its normal and the mesh's at its
+    /// corners and in the middle, 0 if one is not negative.
+    fn fold_of(&self, cell: Cell, points: [(DVec3, DVec3); 3]) -> f64 {
         let [a, b, c] = points.map(|point| point.0);
-        let facing = (b - a).cross(c - a);
-        let is_away = |normal: DVec3| facing.dot(normal) < 0.0;
-        points.iter().all(|point| is_away(point.1)) && {
-            let middle = DomainPoint::new(cell.base, cell.point(self.level, [1.0 / 3.0; 3]));
-            is_away(self.point(&middle).1)
+        let facing = (b - a).cross(c - a).normalize_or_zero();
+        let away = |normal: DVec3| (-facing.dot(normal.normalize_or_zero())).max(0.0);
+        let least = points.iter().map(|point| away(point.1)).fold(1.0, f64::min);
+        if least == 0.0 {
+            return 0.0;
         }
+        let middle = DomainPoint::new(cell.base, cell.point(self.level, [1.0 / 3.0; 3]));
+        away(self.point(&middle).1).min(least)
     }
 
-    /// Moves a corner of a cell, if fewer cells around it then face away.
+    /// Moves a corner of a cell, if the cells around it then face away less.
     fn mend(&mut self, edges: &BaseEdges, cell: Cell) {
         for at in cell.corners() {
             if !self.is_folded(cell) {
@@ -138,21 +143,23 @@ impl Folds<'_> {
                     around.extend(corners.cells(to.face, corners.across(at, side, to.side)));
                 }
             }
-            let count = |folds: &Self, point: (DVec3, DVec3)| {
-                let is_folded = |&&(cell, k): &&(Cell, usize)| {
-                    let mut points = cell.corners().map(|at| folds.point(&folds.place(cell.base, at)));
+            let fold = |place: &DomainPoint| {
+                let point = self.point(place);
+                let of_cell = |&(cell, k): &(Cell, usize)| {
+                    let mut points = cell.corners().map(|at| self.point(&self.place(cell.base, at)));
                     points[k] = point;
-                    folds.is_folded_with(cell, points)
+                    self.fold_of(cell, points)
                 };
-                around.iter().filter(is_folded).count()
+                around.iter().map(of_cell).sum::<f64>()
             };
-            let mut best = (count(self, self.point(&self.place(cell.base, at))), None);
-            for place in candidates(cell.base, self.level, at, side) {
-                let folded = count(self, self.point(&place));
-                if folded < best.0 {
-                    best = (folded, Some(place));
+            let own = self.place(cell.base, at);
+            let mut best = (fold(&own), None);
+            for place in candidates(&own, self.level, side) {
+                let sum = fold(&place);
+                if sum < best.0 {
+                    best = (sum, Some(place));
                 }
-                if best.0 == 0 {
+                if best.0 == 0.0 {
                     break;
                 }
             }
@@ -166,14 +173,16 @@ impl Folds<'_> {
     }
 }
 
-/// Places around a corner: in its base face, or on the side that it is on.
-fn candidates(face: u32, level: usize, at: [u16; 2], side: Option<usize>) -> Vec<DomainPoint> {
-    let own = barycentric(level, at);
+/// Places around a place: in its base face, or on the side that it is on.
+fn candidates(own: &DomainPoint, level: usize, side: Option<usize>) -> Vec<DomainPoint> {
     let unit = 1.0 / (1u32 << level) as f64;
     let directions: Vec<[f64; 3]> = match side {
-        Some(side) => {
+        // On the side as it is called where the place is given: the coordinate that is 0 stays 0.
+        Some(_) => {
+            let opposite =
+                (0..3).min_by(|&a, &b| own.barycentric[a].total_cmp(&own.barycentric[b])).unwrap_or(0);
             let mut along = [0.0; 3];
-            (along[side], along[(side + 1) % 3]) = (-1.0, 1.0);
+            (along[(opposite + 1) % 3], along[(opposite + 2) % 3]) = (-1.0, 1.0);
             vec![along, along.map(|x| -x)]
         }
         None => (0..12)
@@ -184,8 +193,8 @@ fn candidates(face: u32, level: usize, at: [u16; 2], side: Option<usize>) -> Vec
             .collect(),
     };
     let place = |direction: &[f64; 3], distance: f64| {
-        let moved = std::array::from_fn(|k| own[k] + distance * unit * direction[k]);
-        moved.iter().all(|&weight| weight > -1e-12).then(|| DomainPoint::new(face, moved))
+        let moved = std::array::from_fn(|k| own.barycentric[k] + distance * unit * direction[k]);
+        moved.iter().all(|&weight| weight > -1e-12).then(|| DomainPoint::new(own.base_face, moved))
     };
     let near_first = DISTANCES.iter().flat_map(|&distance| directions.iter().map(move |d| (d, distance)));
     near_first.filter_map(|(direction, distance)| place(direction, distance)).collect()
