@@ -130,6 +130,54 @@ fn a_matching_nearly_halves_the_mesh() {
     assert!(matching.iter().all(|&share| (0.45..0.60).contains(&share)), "{matching:?}");
 }
 
+/// Triangles before and after each batch of a matching.
+fn halvings(mesh: &Mesh) -> Vec<[usize; 2]> {
+    let sequence = batched(mesh, Independence::Matching, Placement::Endpoint);
+    let ends = sequence.batches().iter().map(|&end| sequence.triangles_after(end as usize));
+    let ends: Vec<usize> = std::iter::once(mesh.triangles().len()).chain(ends).collect();
+    ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// A matching could go on to 0.54.
+#[test]
+fn a_batch_is_full_at_a_share_of_its_triangles() {
+    for mesh in [shapes::rock(20_000, 3), shapes::torus(1.0, 0.4, 120, 60)] {
+        let large = halvings(&mesh).into_iter().filter(|[before, _]| *before > 3_000);
+        let mut batches = 0;
+        for [before, after] in large {
+            // A collapse takes two triangles.
+            assert_eq!(after.div_ceil(2), ((0.59 * before as f64) as usize).div_ceil(2), "of {before}");
+            batches += 1;
+        }
+        assert!(batches >= 3);
+    }
+}
+
+/// A square sheet of 60 x 60 squares: flat on the left; on the right every second vertex is raised by `height`.
+fn half_flat(height: f32) -> Mesh {
+    let raised = |x: usize, y: usize| if x > 30 && (x + y) % 2 == 0 { height } else { 0.0 };
+    let positions = (0..61 * 61).map(|i| [(i % 61) as f32, (i / 61) as f32, raised(i % 61, i / 61)]);
+    let triangles = (0..60 * 60).flat_map(|i| {
+        let corner = (i % 60 + 61 * (i / 60)) as u32;
+        [[corner, corner + 1, corner + 62], [corner, corner + 62, corner + 61]]
+    });
+    Mesh::new(positions.collect::<Vec<_>>(), triangles.collect::<Vec<_>>()).unwrap()
+}
+
+/// Flat faces cost nothing, so a batch of flat and rough faces ends where the rough faces would begin: at 2^10 times the cheap
+/// cost. A little roughness, at less than that, does not end it.
+#[test]
+fn a_leap_of_cost_ends_a_batch() {
+    let share = |mesh: &Mesh| {
+        let [before, after] = halvings(mesh)[0];
+        after as f64 / before as f64
+    };
+    let rough = share(&half_flat(0.5));
+    assert!((0.70..0.85).contains(&rough), "{rough}");
+    let flat = share(&half_flat(0.0));
+    assert!(flat < 0.62, "{flat}");
+}
+
 #[test]
 fn metric_and_placement_change_between_batches() {
     let mesh = shapes::rock(4_000, 5);

@@ -6,7 +6,7 @@ use multires::adapt::Geomorph;
 use multires::control::{ControlError, SceneBudget, SceneObject, SceneOptions, SceneReport};
 use multires::lod::{Baked, Lod, LodOptions, Structure};
 use multires::mesh::{Mesh, shapes};
-use multires::view::ObjectView;
+use multires::view::{Focus, ObjectView};
 use multires::{TotallyOrderedMesh, VertexHierarchy, WaveletMesh};
 use support::lod::{places, view};
 
@@ -135,6 +135,20 @@ fn the_coarsest_is_drawn_and_told_where_nothing_fits() {
     assert_eq!(budget.adapt(&mut [], FRAME).triangles, 0);
     let options = SceneOptions::default().with_rounds(0);
     assert!(matches!(SceneBudget::new(options), Err(ControlError::OutOfRange { .. })));
+}
+
+/// A focus heeds no factor, so the rounds are in vain.
+#[test]
+fn the_coarsest_is_drawn_where_no_factor_is_enough() {
+    let mut scene = scene(&LodOptions::default());
+    let focus = Focus { centre: [0.0; 3], radius: 100.0 };
+    let views = [view(&scene[1].0, [0.0, 0.15, 2.0], 0.0, 0.05).with_focus(Some(focus)).of_world()];
+    let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(4_000)).unwrap();
+    for _ in 0..3 {
+        let report = budget.adapt(&mut [SceneObject::new(scene[1].1.as_mut(), &views)], FRAME);
+        assert_eq!((report.rounds, report.coarsest, report.over_budget), (4, 1, false));
+        assert!(report.triangles <= 4_000, "{report:?}");
+    }
 }
 
 #[test]

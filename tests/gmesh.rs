@@ -318,6 +318,14 @@ fn partitions_come_from_levels() {
     let flat = bake(&shapes::plane(20), 0, 3, 0.65);
     let partition = Partition::by_error(flat.structure());
     assert!(partition.starts().windows(2).all(|pair| pair[0] < pair[1]));
+    // A level without an error of its own has 1/64 of an even range.
+    let mut parts = GmeshParts::from((**closed.structure()).clone());
+    parts.level_errors =
+        (0..count).map(|level| if level < 3 { level as f32 } else { level as f32 - 1.0 }).collect();
+    let starts = Partition::by_error(&Gmesh::try_from(parts).unwrap()).starts().to_vec();
+    let even = 1.0 / (count - 1) as f32;
+    assert!(((starts[3] - starts[2]) / even - 1.0 / 64.0).abs() < 1e-3, "{starts:?}");
+    assert_eq!(Partition::by_lengths(&[1.0, 3.0]).unwrap().starts(), [0.0, 0.25, 1.0]);
     assert!(Partition::by_lengths(&[1.0, 0.0]).is_err());
     assert!(Partition::by_lengths(&[1.0, f32::NAN]).is_err());
     assert!(Partition::by_lengths(&[1e-30, 1e30]).is_err());
