@@ -19,7 +19,8 @@ pub(crate) struct Tolerance {
     factor: f32,
     /// Factor at the last update; `None` before the first update with a factor.
     answered: Option<f64>,
-    /// Whether the factor was ever changed.
+    /// Whether the factor was ever set. Whoever sets it will turn it: answers are given for that from the first time on, so the
+    /// first turn does not ask all anew.
     turns: bool,
 }
 
@@ -37,12 +38,12 @@ impl Tolerance {
     /// Sets the factor. Ignores factors which are not positive and finite.
     pub fn set(&mut self, factor: f32) {
         if factor > 0.0 && factor.is_finite() {
-            self.turns |= factor != self.factor;
+            self.turns = true;
             self.factor = factor;
         }
     }
 
-    /// Whether the factor was never changed. Then criteria may be used without scaling.
+    /// Whether the factor was never set. Then criteria may be used without scaling.
     pub fn is_one(&self) -> bool {
         !self.turns
     }
