@@ -329,23 +329,24 @@ impl Budget {
 
     /// Returns a window of keys in which the split ends: triangles are summed by classes of keys, an eighth of an octave wide.
     fn survey(&mut self, objects: &[LadderObject<'_>], room: u64) -> [f32; 2] {
-        let Self { options, rungs, classes, .. } = self;
+        let Self { options, rungs, classes, entries, .. } = self;
         let boost = 1.0 + options.hysteresis;
         classes.clear();
         classes.resize(CLASSES, 0);
+        let mut most = 0;
         for (object, &rung) in objects.iter().zip(&*rungs) {
             let (weight, scale) = (object.weight(), object.scale());
-            if weight <= 0.0 {
-                continue;
-            }
-            for step in object.ladder.steps() {
-                if scale * step.error <= options.tolerance_px {
-                    break;
-                }
+            let steps = object.ladder.steps();
+            most += steps.len();
+            let needed = steps.iter().take_while(|step| scale * step.error > options.tolerance_px);
+            for step in needed.filter(|_| weight > 0.0) {
                 let key = weight * step.slope * if step.to <= rung { boost } else { 1.0 };
                 classes[class_of(key)] += u64::from(step.triangles);
             }
         }
+        // A window of a later frame may hold all steps.
+        entries.clear();
+        entries.reserve(most);
         let mut sum = 0_u64;
         let reached = classes.iter().rposition(|triangles| {
             sum += triangles;
