@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::lod::{Baked, Mixture, Origins, Progress};
 use crate::mesh::{Mesh, Topology};
 
-use super::subdivision::build::SubdivisionBuilder;
+use super::subdivision::SubdivisionBuilder;
 use super::{WaveletError, WaveletMesh, WaveletOptions};
 
 /// A new vertex: the midpoint of an edge.

@@ -12,6 +12,7 @@
 //! | `builder.rs` | [`WaveletBuilder`]: from a base mesh |
 //! | `heights.rs` | terrain from a grid of heights of any size |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
+//! | `from_quadrisection.rs` | a mesh and its quadrisection to a wavelet mesh |
 //! | `bounds/` | bounds of the change when a wavelet is left out |
 //! | `domain/` | places on the base: [`DomainPoint`], [`SurfaceSampler`], [`Atlas`] |
 //! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and dropping the smallest |
@@ -29,6 +30,7 @@ mod builder;
 mod domain;
 mod edit;
 mod error;
+mod from_quadrisection;
 mod heights;
 mod instance;
 mod mesh;
