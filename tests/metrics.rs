@@ -150,7 +150,7 @@ fn lindstrom_turk_preserves_the_volume() {
     let t = 1.5 * surface.frame().scale() as f32;
     assert!(x.iter().zip([t, 0.0, t]).all(|(a, b)| (a - b).abs() < 1e-6), "{x:?}");
     // Squared volumes: 6 x (1/3)^2 / 4 = 4 (1/6)^2 + 2 (2/6)^2 there, 2 (1/3)^2 at v, 4 (1/6)^2 in the middle.
-    let at_kept = quick(&*metric, &surface, PAIR);
+    let at_kept = quick(&metric, &surface, PAIR);
     assert_near(f64::from(cost / at_kept), (4.0 / 36.0 + 2.0 / 9.0) / (2.0 / 9.0));
     let middle = surface.position(U).map(|x| 0.5 * x);
     let middle = [0, 1, 2].map(|i| middle[i] + 0.5 * surface.position(V)[i]);
