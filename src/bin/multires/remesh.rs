@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
 use clap::builder::RangedU64ValueParser;
+use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::mesh::Mesh;
 use multires::quality::{self, DistanceOptions};
-use multires::remesh::{Creasing, Depth, Distortion, Features, Remesher, Spread};
+use multires::remesh::{Creasing, Depth, Distortion, Features, Remesher, Smoothing, Spread};
 use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
@@ -111,6 +111,15 @@ pub struct Base {
     /// degrees that outline a made object].
     #[arg(long, value_name = "DEG", value_parser = degrees)]
     features: Option<f64>,
+    /// Smooth the map, so that edges of the base do not show in the remesh, or leave it as it is [default: harmonic].
+    #[arg(long, value_name = "S", value_enum)]
+    smoothing: Option<Smooth>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Smooth {
+    Harmonic,
+    Off,
 }
 
 /// Faces of the base to aim at.
@@ -119,7 +128,7 @@ const FACES: usize = 500;
 impl Base {
     /// Whether nothing was given.
     pub fn is_default(&self) -> bool {
-        self.faces.is_none() && self.features.is_none()
+        self.faces.is_none() && self.features.is_none() && self.smoothing.is_none()
     }
 }
 
@@ -158,6 +167,8 @@ impl Remeshed {
 
         let faces = map.base().triangles().len();
         let vertices = map.base().positions().len();
+        let sides = (0..faces as u32).flat_map(|face| (0..3).map(move |side| (face, side)));
+        let feature_sides = sides.filter(|&(face, side)| map.is_feature(face, side)).count();
         let bytes = map.memory();
         let each = bytes as f64 / mesh.triangles().len().max(1) as f64;
         let mut warnings = Vec::new();
@@ -173,7 +184,11 @@ impl Remeshed {
         }
         let members = vec![
             ("metric", json!(name)),
-            ("base", json!({ "asked": asked, "faces": faces, "vertices": vertices })),
+            ("smoothing", json!(smoothing_name)),
+            (
+                "base",
+                json!({ "asked": asked, "faces": faces, "vertices": vertices, "feature_sides": feature_sides }),
+            ),
             ("map", json!({ "bytes": bytes, "bytes_per_triangle": each })),
             (
                 "distortion",
@@ -188,6 +203,7 @@ impl Remeshed {
         ];
         let mut rows = Table::default();
         rows.row("base", format!("{vertices} vertices, {faces} faces, by {name}"));
+        rows.row("on features", format!("{feature_sides} of {} sides of base faces", 3 * faces));
         rows.row("map", format!("{bytes} bytes, {each:.1} a triangle of the input"));
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
