@@ -36,8 +36,7 @@ pub(super) fn split(mesh: &Mesh, features: &Features) -> Result<Sectors, RemeshE
     let bare = if keeps_normals { Cow::Borrowed(mesh) } else { Cow::Owned(mesh.without_normals()) };
     let topology = Topology::with(&bare, &Tolerances::default());
     let point_of = topology.point_of();
-    let points: Vec<[u32; 3]> =
-        mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+    let points: Vec<[u32; 3]> = mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
     let is_face: Vec<bool> = points.iter().map(|[a, b, c]| a != b && b != c && c != a).collect();
     let edges = Edges::new(&points, topology.point_count());
     let is_feature = feature_edges(&bare, &topology, &points, &edges, features);
@@ -69,10 +68,8 @@ pub(super) fn split(mesh: &Mesh, features: &Features) -> Result<Sectors, RemeshE
             *slot
         }));
     }
-    let curves: Vec<[u32; 2]> = (0..edges.len())
-        .filter(|&edge| is_feature[edge])
-        .map(|edge| edges.ends()[edge])
-        .collect();
+    let curves: Vec<[u32; 2]> =
+        (0..edges.len()).filter(|&edge| is_feature[edge]).map(|edge| edges.ends()[edge]).collect();
     let corners = corners(mesh, &topology, &curves);
     let locks: Vec<bool> = sector_point.iter().map(|&point| corners[point as usize]).collect();
     let label = Attribute::new("sector", 1, AttributeValues::Uint(labels));
@@ -141,7 +138,9 @@ fn corners(mesh: &Mesh, topology: &Topology, curves: &[[u32; 2]]) -> Vec<bool> {
         around.extend([(a, b), (b, a)]);
     }
     around.sort_unstable();
-    let at = |p: u32| DVec3::from_array(mesh.positions()[topology.vertex_of_point()[p as usize] as usize].map(f64::from));
+    let at = |p: u32| {
+        DVec3::from_array(mesh.positions()[topology.vertex_of_point()[p as usize] as usize].map(f64::from))
+    };
     let least = CORNER_DEGREES.to_radians().cos();
     let mut sharp = Vec::new();
     let mut counts = vec![[0u32; 2]; topology.point_count()];
@@ -149,7 +148,8 @@ fn corners(mesh: &Mesh, topology: &Topology, curves: &[[u32; 2]]) -> Vec<bool> {
         let &[(point, a), (_, b)] = star else { continue };
         let set = sets.find(point) as usize;
         counts[set][0] += 1;
-        let (before, after) = ((at(point) - at(a)).normalize_or_zero(), (at(b) - at(point)).normalize_or_zero());
+        let (before, after) =
+            ((at(point) - at(a)).normalize_or_zero(), (at(b) - at(point)).normalize_or_zero());
         if before.dot(after) < least {
             sharp.push(point);
             counts[set][1] += 1;
@@ -158,6 +158,11 @@ fn corners(mesh: &Mesh, topology: &Topology, curves: &[[u32; 2]]) -> Vec<bool> {
     for point in sharp {
         let [all, sharp] = counts[sets.find(point) as usize];
         is_corner[point as usize] |= 4 * sharp <= all.max(16);
+    }
+    // A curve of a single edge has one sector at each end, so nothing else holds its ends.
+    let degree = |p: u32| around.partition_point(|end| end.0 <= p) - around.partition_point(|end| end.0 < p);
+    for &[a, b] in curves.iter().filter(|edge| edge.iter().all(|&end| degree(end) == 1)) {
+        (is_corner[a as usize], is_corner[b as usize]) = (true, true);
     }
     is_corner
 }
