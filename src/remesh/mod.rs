@@ -18,8 +18,10 @@
 //! | `parameterisation.rs` | [`Parameterisation`]: base, and the map between mesh and base |
 //! | `distortion.rs` | [`Distortion`]: how far the map is from keeping angles and areas |
 //! | `depth.rs` | [`Depth`]: which faces to split |
+//! | `bake/` | [`BakedTexture`], [`NormalMap`]: the mesh's textures, colours and normals for the atlas of a remesh |
 //! | `error.rs` | [`RemeshError`] |
 
+mod bake;
 mod coarsen;
 mod depth;
 mod distortion;
@@ -32,6 +34,7 @@ mod parameterisation;
 mod remesher;
 mod sectors;
 
+pub use bake::{BakedTexture, NormalMap, NormalSpace, Texture};
 pub use depth::Depth;
 pub use distortion::{Distortion, Spread};
 pub use error::RemeshError;

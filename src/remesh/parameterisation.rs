@@ -81,6 +81,11 @@ impl Parameterisation {
         &self.base
     }
 
+    /// Returns the number of triangles of the mesh.
+    pub(super) fn source_triangles(&self) -> usize {
+        self.source_triangles
+    }
+
     /// Returns the point of the mesh at a place on the base. `None` if the base face does not exist, or no coordinate is
     /// above 0. Negative coordinates count as 0. O(log n) expected.
     pub fn to_mesh(&self, domain: &DomainPoint) -> Option<MeshPoint> {
@@ -133,12 +138,8 @@ impl Parameterisation {
         }
         let mesh = &*self.with_smooth_normals(mesh);
         let mut builder = WaveletBuilder::new(&self.posed_base(mesh))?;
-        let at = |domain: &DomainPoint| {
-            self.to_mesh(domain).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]))
-        };
-        let place = |domain: &DomainPoint| {
-            at(domain).position(mesh).unwrap_or_default().map(|x| x as f32)
-        };
+        let at = |domain: &DomainPoint| self.to_mesh(domain).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]));
+        let place = |domain: &DomainPoint| at(domain).position(mesh).unwrap_or_default().map(|x| x as f32);
         depth.subdivide(self, mesh, &mut builder, place)?;
         if progress(PLACING).is_break() {
             return Err(RemeshError::Cancelled);
