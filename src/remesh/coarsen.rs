@@ -6,10 +6,12 @@ use glam::{DVec2, DVec3};
 
 use crate::mesh::{NONE, Tolerances};
 use crate::simplify::metric::ErrorMetric;
-use crate::simplify::oracle::{Borders, LinkCondition, Locks, NonManifold, NormalFlip, Seams, TriangleQuality};
+use crate::simplify::oracle::{
+    Borders, LinkCondition, Locks, NonManifold, NormalFlip, Seams, TriangleQuality,
+};
 use crate::simplify::{
-    AttributeWeights, CollapseSequence, ErrorMeasure, Frame, Guard, Oracle, Parts, Permissive, Placement, Simplifier,
-    Target,
+    AttributeWeights, CollapseSequence, ErrorMeasure, Frame, Guard, Oracle, Parts, Permissive, Placement,
+    Simplifier, Target,
 };
 
 use super::RemeshError;
@@ -100,7 +102,10 @@ fn replay(sectors: &Sectors, sequence: &CollapseSequence) -> Result<Coarse, Reme
             before.clear();
             before.extend(order.iter().map(|&corner| {
                 let (slot, k) = (corner as usize / 3, corner as usize % 3);
-                FanFace { face: face_of[slot], hub_corner: ((k + 3 - usize::from(first_corner[slot])) % 3) as u8 }
+                FanFace {
+                    face: face_of[slot],
+                    hub_corner: ((k + 3 - usize::from(first_corner[slot])) % 3) as u8,
+                }
             }));
             let hubs = [Hub::Inside(DVec2::ZERO), Hub::Ring(hub)];
             // A triangle between two ring vertices other than the kept vertex goes on as the next face of the new fan.

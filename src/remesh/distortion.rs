@@ -2,10 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::Mesh;
+use crate::geometry::parallel;
+use crate::mesh::{Mesh, MeshPoint};
 use crate::wavelet::DomainPoint;
 
 use super::Parameterisation;
+use super::cells::Cell;
 
 /// Mean and 99th percentile of a figure, weighted by area on the base.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -25,7 +27,7 @@ pub struct Distortion {
     pub angle: Spread,
     /// Area on the mesh over area on the base, or the inverse, relative to the whole mesh's; at least 1.
     pub area: Spread,
-    /// Triangles of the level that face away from the mesh at their middle.
+    /// Triangles of the level that face away from the mesh at their corners and their middle.
     pub folded: usize,
     /// Triangles measured.
     pub triangles: usize,
@@ -35,32 +37,13 @@ impl Parameterisation {
     /// Measures the distortion on the triangles of a level, each base face split `level` times (at most 10). `mesh` is the
     /// mesh that the map was made from. O(4^level base faces).
     pub fn distortion(&self, mesh: &Mesh, level: usize) -> Distortion {
-        let n = 1usize << level.min(10);
+        let faces = self.base().triangles().len();
+        let of_faces = parallel::map(faces, 1, |face| self.of_face(mesh, face as u32, level.min(10)));
         let (mut angles, mut areas, mut folded) = (Vec::new(), Vec::new(), 0);
-        for (face, corners) in (0..).zip(self.base().triangles()) {
-            let at = |i: usize, j: usize| self.position(mesh, face, [i, j].map(|x| x as f64 / n as f64));
-            let of_base = Flat::new(corners.map(|v| self.base().positions()[v as usize]), n);
-            let weight = of_base.area;
-            let mut row: Vec<DVec3> = (0..=n).map(|j| at(0, j)).collect();
-            for i in 0..n {
-                let next: Vec<DVec3> = (0..n - i).map(|j| at(i + 1, j)).collect();
-                for j in 0..n - i {
-                    let mut add = |p: [DVec3; 3], turn: f64, middle: [f64; 2]| {
-                        let [d1, d2] = [p[1] - p[0], p[2] - p[0]].map(|side| turn * side);
-                        let (angle, area) = of_base.stretch(d1, d2);
-                        angles.push((angle, weight));
-                        areas.push((area, weight));
-                        let weights = [middle[0] / n as f64, middle[1] / n as f64];
-                        folded += usize::from(d1.cross(d2).dot(self.normal(mesh, face, weights)) < 0.0);
-                    };
-                    let (x, y) = (i as f64, j as f64);
-                    add([row[j], next[j], row[j + 1]], 1.0, [x + 1.0 / 3.0, y + 1.0 / 3.0]);
-                    if j + 1 < n - i {
-                        add([next[j + 1], row[j + 1], next[j]], -1.0, [x + 2.0 / 3.0, y + 2.0 / 3.0]);
-                    }
-                }
-                row = next;
-            }
+        for face in of_faces {
+            angles.extend(face.angles.into_iter().map(|angle| (angle, face.area)));
+            areas.extend(face.areas.into_iter().map(|area| (area, face.area)));
+            folded += face.folded;
         }
         // Areas relative to the whole mesh's.
         let sum = |list: &[(f64, f64)]| list.iter().map(|(value, weight)| value * weight).sum::<f64>();
@@ -73,17 +56,62 @@ impl Parameterisation {
         Distortion { angle: spread(angles), area: spread(areas), folded, triangles }
     }
 
-    fn position(&self, mesh: &Mesh, face: u32, [u, v]: [f64; 2]) -> DVec3 {
-        let point = self.to_mesh(&DomainPoint::new(face, [1.0 - u - v, u, v]));
-        point.and_then(|point| point.position(mesh)).map_or(DVec3::ZERO, DVec3::from_array)
+    fn of_face(&self, mesh: &Mesh, face: u32, level: usize) -> OfFace {
+        let n = 1u16 << level;
+        let corners = self.base().triangles()[face as usize];
+        let flat = Flat::new(corners.map(|v| self.base().positions()[v as usize]), f64::from(n));
+        let mut of_face = OfFace { area: flat.area, ..OfFace::default() };
+        // Row j holds the corners (i, j).
+        let rows: Vec<Vec<(DVec3, DVec3)>> = (0..=n)
+            .map(|j| {
+                let at = |i: u16| {
+                    let [u, v] = [i, j].map(|x| f64::from(x) / f64::from(n));
+                    self.point_and_normal(mesh, face, [1.0 - u - v, u, v])
+                };
+                (0..=n - j).map(at).collect()
+            })
+            .collect();
+        for cell in Cell::of_level(face, level) {
+            let points = cell.corners().map(|[i, j]| rows[usize::from(j)][usize::from(i)]);
+            let [a, b, c] = points.map(|point| point.0);
+            // Corners of downward cells come in the same order, turned by half a turn.
+            let turn = if cell.down { -1.0 } else { 1.0 };
+            let (angle, area) = flat.stretch(turn * (b - a), turn * (c - a));
+            of_face.angles.push(angle);
+            of_face.areas.push(area);
+            let facing = (b - a).cross(c - a);
+            let is_away = |normal: DVec3| facing.dot(normal) < 0.0;
+            if points.iter().all(|point| is_away(point.1)) {
+                let middle = cell.point(level, [1.0 / 3.0; 3]);
+                of_face.folded += usize::from(is_away(self.point_and_normal(mesh, face, middle).1));
+            }
+        }
+        of_face
     }
 
-    fn normal(&self, mesh: &Mesh, face: u32, [u, v]: [f64; 2]) -> DVec3 {
-        let Some(point) = self.to_mesh(&DomainPoint::new(face, [1.0 - u - v, u, v])) else { return DVec3::ZERO };
-        let corners = mesh.triangles()[point.triangle as usize];
-        let [a, b, c] = corners.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
-        (b - a).cross(c - a)
+    /// Returns the point of the mesh at a place on the base, and the normal of its triangle.
+    fn point_and_normal(&self, mesh: &Mesh, face: u32, weights: [f64; 3]) -> (DVec3, DVec3) {
+        let point = self.to_mesh(&DomainPoint::new(face, weights));
+        let found =
+            point.and_then(|point| Some((DVec3::from_array(point.position(mesh)?), normal_at(mesh, &point))));
+        found.unwrap_or_default()
     }
+}
+
+/// Figures of the triangles over a base face, which all have the same area on it.
+#[derive(Debug, Default)]
+struct OfFace {
+    angles: Vec<f64>,
+    areas: Vec<f64>,
+    folded: usize,
+    area: f64,
+}
+
+/// Returns the normal of the triangle at a point, as long as twice its area.
+pub(super) fn normal_at(mesh: &Mesh, point: &MeshPoint) -> DVec3 {
+    let corners = mesh.triangles()[point.triangle as usize];
+    let [a, b, c] = corners.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)));
+    (b - a).cross(c - a)
 }
 
 /// A triangle in the plane, `n` times smaller.
@@ -94,8 +122,8 @@ struct Flat {
 }
 
 impl Flat {
-    fn new(corners: [[f32; 3]; 3], n: usize) -> Self {
-        let [a, b, c] = corners.map(|p| DVec3::from_array(p.map(f64::from)) / n as f64);
+    fn new(corners: [[f32; 3]; 3], n: f64) -> Self {
+        let [a, b, c] = corners.map(|p| DVec3::from_array(p.map(f64::from)) / n);
         let (e, f) = (b - a, c - a);
         let side = e.length().max(f64::MIN_POSITIVE);
         let third = DVec2::new(f.dot(e) / side, e.cross(f).length() / side);

@@ -45,7 +45,8 @@ pub(super) fn flatten(centre: DVec3, ring: &[DVec3], closed: bool, flat: &mut Ve
     }
     // Radii at both ends of an open star are as measured: the correction is blended between them.
     let radius = |i: usize| arm(i).length();
-    let ends = [radius(0), radius(ring.len() - 1)].map(|end| if closed { 0.0 } else { (1.0 - power) * end.ln() });
+    let ends =
+        [radius(0), radius(ring.len() - 1)].map(|end| if closed { 0.0 } else { (1.0 - power) * end.ln() });
     for (i, at) in flat.iter_mut().enumerate() {
         let share = at.x / sum;
         let length = radius(i).powf(power) * (ends[0] + (ends[1] - ends[0]) * share).exp();

@@ -15,13 +15,19 @@
 //! | `flatten.rs` | the star of a vertex in the plane |
 //! | `coarsen.rs` | from a mesh to a base, with the map of every collapse |
 //! | `layout.rs` | the list of maps; points travel both ways |
+//! | `charts.rs` | base faces in the plane, with the faces across their sides |
+//! | `warp.rs` | a map of the base onto itself, linear on cells |
+//! | `smooth.rs` | the map of the base onto itself that makes the whole map smooth |
 //! | `parameterisation.rs` | [`Parameterisation`]: base, and the map between mesh and base |
 //! | `distortion.rs` | [`Distortion`]: how far the map is from keeping angles and areas |
+//! | `cells.rs` | faces of a subdivided base by number, and their neighbours |
 //! | `depth.rs` | [`Depth`]: which faces to split |
 //! | `bake/` | [`BakedTexture`], [`NormalMap`]: the mesh's textures, colours and normals for the atlas of a remesh |
 //! | `error.rs` | [`RemeshError`] |
 
 mod bake;
+mod cells;
+mod charts;
 mod coarsen;
 mod depth;
 mod distortion;
@@ -33,6 +39,8 @@ mod oracle;
 mod parameterisation;
 mod remesher;
 mod sectors;
+mod smooth;
+mod warp;
 
 pub use bake::{BakedTexture, NormalMap, NormalSpace, Texture};
 pub use depth::Depth;
@@ -40,4 +48,4 @@ pub use distortion::{Distortion, Spread};
 pub use error::RemeshError;
 pub use features::{Creasing, Features};
 pub use parameterisation::Parameterisation;
-pub use remesher::Remesher;
+pub use remesher::{Remesher, Smoothing};

@@ -96,7 +96,11 @@ impl Oracle for EvenValence {
         let gone = collapse.patch.opposite().len();
         let kept = surface.valence(collapse.pair.kept) + surface.valence(collapse.pair.lost) - 2 * gone;
         kept <= EVEN_VALENCE
-            && collapse.patch.opposite().iter().all(|&third| surface.valence(third) > 4 || surface.is_border(third))
+            && collapse
+                .patch
+                .opposite()
+                .iter()
+                .all(|&third| surface.valence(third) > 4 || surface.is_border(third))
     }
 
     fn surcharge(&self) -> Option<f32> {
@@ -115,6 +119,7 @@ impl Oracle for LimitedValence {
 
     fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
         let gone = collapse.patch.opposite().len();
-        surface.valence(collapse.pair.kept) + surface.valence(collapse.pair.lost) - 2 * gone <= LARGEST_VALENCE
+        surface.valence(collapse.pair.kept) + surface.valence(collapse.pair.lost) - 2 * gone
+            <= LARGEST_VALENCE
     }
 }

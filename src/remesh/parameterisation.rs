@@ -9,10 +9,17 @@ use crate::lod::Baked;
 use crate::mesh::{Mesh, MeshPoint, NONE, names};
 use crate::wavelet::{DomainPoint, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions};
 
+use super::cells::BaseEdges;
 use super::coarsen::Coarse;
 use super::layout::{Layout, Place};
 use super::sectors::Sectors;
-use super::{Depth, RemeshError};
+use super::smooth::{Target, smooth};
+use super::warp::Warp;
+use super::{Depth, RemeshError, Smoothing};
+
+/// Coarsest and finest level of cells moved by smoothing: about as many cells as the mesh has triangles.
+const LEAST_LEVEL: f64 = 2.0;
+const MOST_LEVEL: f64 = 6.0;
 
 /// Share of a bake's time until the bounds are computed.
 const PLACING: f32 = 0.3;
@@ -28,13 +35,17 @@ pub struct Parameterisation {
     layout: Layout,
     /// Face of the layout of every base face, ascending.
     faces: Vec<u32>,
+    /// Which sides of base faces are features.
+    features: Vec<[bool; 3]>,
+    /// Smooths the map: applied to places on the base before they go to the mesh.
+    warp: Option<Warp>,
     source_triangles: usize,
     /// Per vertex of the mesh its sector, over which normals are to be smooth; empty where the mesh's normals are kept.
     smooth_over: Vec<u32>,
 }
 
 impl Parameterisation {
-    pub(super) fn new(source: &Mesh, sectors: &Sectors, coarse: Coarse) -> Self {
+    pub(super) fn new(source: &Mesh, sectors: &Sectors, coarse: Coarse, smoothing: Smoothing) -> Self {
         let Coarse { layout, corners } = coarse;
         let is_base = |&face: &u32| {
             layout.is_last(face) && sectors.is_face.get(face as usize).is_none_or(|&is_face| is_face)
@@ -73,7 +84,15 @@ impl Parameterisation {
                 (0..3).for_each(|k| smooth_over[vertices[k] as usize] = sectors[k]);
             }
         }
-        Self { base, layout, faces, source_triangles: source.triangles().len(), smooth_over }
+        let edges = &BaseEdges::new(&base);
+        let features = edges.features(&base);
+        let warp = (smoothing == Smoothing::Harmonic).then(|| {
+            let (layout, faces, features) = (&layout, &faces[..], &features[..]);
+            let cells = source.triangles().len() as f64 / faces.len().max(1) as f64;
+            let level = (cells.log2() / 2.0).round().clamp(LEAST_LEVEL, MOST_LEVEL) as usize;
+            smooth(&Target { base: &base, edges, features, layout, faces, mesh: source }, level)
+        });
+        Self { base, layout, faces, features, warp, source_triangles: source.triangles().len(), smooth_over }
     }
 
     /// Returns the base: vertices of the mesh with all attributes, materials by triangle.
@@ -86,12 +105,21 @@ impl Parameterisation {
         self.source_triangles
     }
 
+    /// Whether a side of a base face, from corner `side` to the next, lies on a feature: a border, a crease, a seam, a border
+    /// between materials, or an edge marked by the caller. False out of range.
+    pub fn is_feature(&self, base_face: u32, side: usize) -> bool {
+        self.features.get(base_face as usize).and_then(|sides| sides.get(side)).copied().unwrap_or(false)
+    }
+
     /// Returns the point of the mesh at a place on the base. `None` if the base face does not exist, or no coordinate is
     /// above 0. Negative coordinates count as 0. O(log n) expected.
     pub fn to_mesh(&self, domain: &DomainPoint) -> Option<MeshPoint> {
-        let face = *self.faces.get(domain.base_face as usize)?;
-        let weights = normalised(domain.barycentric)?;
-        let place = self.layout.up(Place { face, weights });
+        if domain.base_face as usize >= self.faces.len() {
+            return None;
+        }
+        let place = Place { face: domain.base_face, weights: normalised(domain.barycentric)? };
+        let place = self.warp.as_ref().map_or(place, |warp| warp.apply(place));
+        let place = self.layout.up(Place { face: self.faces[place.face as usize], ..place });
         Some(MeshPoint::new(place.face, place.weights))
     }
 
@@ -103,8 +131,10 @@ impl Parameterisation {
         }
         let weights = normalised(point.barycentric)?;
         let place = self.layout.down(Place { face: point.triangle, weights });
-        let base_face = self.faces.binary_search(&place.face).ok()? as u32;
-        Some(DomainPoint::new(base_face, place.weights))
+        let face = self.faces.binary_search(&place.face).ok()? as u32;
+        let place = Place { face, ..place };
+        let place = self.warp.as_ref().map_or(place, |warp| warp.undo(place));
+        Some(DomainPoint::new(place.face, place.weights))
     }
 
     /// Remeshes: subdivides the base, with every new vertex at its point of `mesh`, and all attributes there. `mesh` is the
@@ -181,7 +211,13 @@ impl Parameterisation {
 
     /// Returns the bytes of the map's arrays, without the base.
     pub fn memory(&self) -> usize {
-        self.layout.memory() + size_of_val(&self.faces[..])
+        let warp = self.warp.as_ref().map_or(0, Warp::memory);
+        let features = size_of_val(&self.features[..]);
+        features
+            + self.layout.memory()
+            + warp
+            + size_of_val(&self.faces[..])
+            + size_of_val(&self.smooth_over[..])
     }
 }
 

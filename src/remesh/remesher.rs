@@ -37,6 +37,18 @@ pub struct Remesher<M = MemorylessQuadric> {
     metric: M,
     base_faces: usize,
     features: Features,
+    smoothing: Smoothing,
+}
+
+/// Smoothing of the map from a base to a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Smoothing {
+    /// Lines on the base bend at edges and vertices of the base.
+    Off,
+    /// Points of the base move towards the discrete harmonic map: edges of the base do not show, angles are kept better.
+    #[default]
+    Harmonic,
 }
 
 impl Default for Remesher {
@@ -48,7 +60,12 @@ impl Default for Remesher {
 impl Remesher {
     /// Creates a remesher with the defaults.
     pub fn new() -> Self {
-        Self { metric: MemorylessQuadric::new(), base_faces: BASE_FACES, features: Features::new() }
+        Self {
+            metric: MemorylessQuadric::new(),
+            base_faces: BASE_FACES,
+            features: Features::new(),
+            smoothing: Smoothing::default(),
+        }
     }
 }
 
@@ -65,13 +82,21 @@ impl<M: ErrorMetric> Remesher<M> {
     /// all metrics on scans.
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Remesher<N> {
-        Remesher { metric, base_faces: self.base_faces, features: self.features }
+        let Self { base_faces, features, smoothing, .. } = self;
+        Remesher { metric, base_faces, features, smoothing }
     }
 
     /// Sets the edges that base edges must follow.
     #[must_use]
     pub fn features(mut self, features: Features) -> Self {
         self.features = features;
+        self
+    }
+
+    /// Sets the smoothing of the map. Default: [`Smoothing::Harmonic`].
+    #[must_use]
+    pub fn smoothing(mut self, smoothing: Smoothing) -> Self {
+        self.smoothing = smoothing;
         self
     }
 
@@ -101,7 +126,7 @@ impl<M: ErrorMetric> Remesher<M> {
             return Err(RemeshError::Empty);
         }
         let coarse = coarsen(&sectors, &mut self.metric, self.base_faces, &mut progress)?;
-        let map = Parameterisation::new(mesh, &sectors, coarse);
+        let map = Parameterisation::new(mesh, &sectors, coarse, self.smoothing);
         if progress(1.0).is_break() { Err(RemeshError::Cancelled) } else { Ok(map) }
     }
 }

@@ -19,6 +19,10 @@ pub struct SurfacePoint {
     /// Unit normal: interpolated from the vertices where the mesh has normals, else the triangle's; zero for a triangle without
     /// area.
     pub normal: [f32; 3],
+    /// Vertices of the mesh at the corners of the triangle with the point: for any attribute.
+    pub vertices: [u32; 3],
+    /// Barycentric coordinates of the point in the triangle.
+    pub weights: [f64; 3],
 }
 
 /// Finds points of the full resolution; made by [`WaveletMesh::sampler`].
@@ -133,6 +137,8 @@ impl SurfaceSampler<'_> {
             domain,
             position: position.as_vec3().to_array(),
             normal: normal.as_vec3().to_array(),
+            vertices: corners,
+            weights,
         })
     }
 }
