@@ -7,7 +7,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `read_write.rs` | [`read`] and [`write`](write()) by extension |
+//! | `read_write.rs` | [`read`] and [`write`](write()) by extension; [`write_textured`] |
 //! | `format.rs`, `import.rs` | [`Format`]; [`ReadOptions`] and [`Imported`] |
 //! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | a format each; its head tells what is kept and how it is parsed |
 //! | `draft.rs` | output of readers: a mesh before rounding |
@@ -40,6 +40,7 @@ mod text;
 pub use baked::{BakeError, VERSION as BAKED_VERSION, bake, baked_kind, read_baked, unbake, write_baked};
 pub use error::{Place, ReadError, WriteError};
 pub use format::Format;
+pub use gltf::GltfTextures;
 pub use import::{Imported, ReadOptions, SceneOrigin};
 pub use model::{StoredModel, read_model, unbake_model};
-pub use read_write::{read, read_bytes, read_bytes_with, read_with, write, write_bytes};
+pub use read_write::{read, read_bytes, read_bytes_with, read_with, write, write_bytes, write_textured};

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use crate::mesh::Mesh;
 
-use super::{Format, Imported, ReadError, ReadOptions, WriteError, atomic, gltf, obj, off, ply, stl};
+use super::{
+    Format, GltfTextures, Imported, ReadError, ReadOptions, WriteError, atomic, gltf, obj, off, ply, stl,
+};
 
 /// Reads a mesh; the extension selects the format.
 ///
@@ -70,6 +72,24 @@ pub fn write(path: impl AsRef<Path>, mesh: &Mesh) -> Result<(), WriteError> {
     atomic::write(path, &bytes).map_err(|source| WriteError::Io { path: path.to_owned(), source })
 }
 
+/// Writes a mesh as .glb or .gltf that refers to pictures. The pictures are not opened.
+///
+/// # Errors
+/// See [`WriteError`]: also another extension, and pictures on a mesh without texture coordinates.
+pub fn write_textured(
+    path: impl AsRef<Path>,
+    mesh: &Mesh,
+    textures: &GltfTextures,
+) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let bytes = match Format::from_path(path) {
+        Some(Format::Glb) => gltf::write(mesh, true, textures),
+        Some(Format::Gltf) => gltf::write(mesh, false, textures),
+        _ => Err(WriteError::UnknownFormat { path: path.to_owned() }),
+    }?;
+    atomic::write(path, &bytes).map_err(|source| WriteError::Io { path: path.to_owned(), source })
+}
+
 /// Encodes a mesh as the bytes of a file.
 ///
 /// # Errors
@@ -80,7 +100,7 @@ pub fn write_bytes(format: Format, mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
         Format::Ply => ply::write(mesh),
         Format::Stl => stl::write(mesh),
         Format::Off => Ok(off::write(mesh)),
-        Format::Glb => gltf::write(mesh, true),
-        Format::Gltf => gltf::write(mesh, false),
+        Format::Glb => gltf::write(mesh, true, &GltfTextures::default()),
+        Format::Gltf => gltf::write(mesh, false, &GltfTextures::default()),
     }
 }

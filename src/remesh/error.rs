@@ -20,13 +20,30 @@ pub enum RemeshError {
         /// The collapse.
         step: usize,
     },
+    /// The mesh lacks values to bake.
+    #[error("the mesh has no attribute {name:?} of {width} floats")]
+    NoAttribute {
+        /// The attribute's name.
+        name: &'static str,
+        /// Floats a vertex.
+        width: usize,
+    },
     /// The wavelet mesh could not be built.
     #[error(transparent)]
-    Wavelet(#[from] WaveletError),
+    Wavelet(WaveletError),
     /// The input is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// The progress callback cancelled the run.
     #[error("remeshing was cancelled")]
     Cancelled,
+}
+
+impl From<WaveletError> for RemeshError {
+    fn from(error: WaveletError) -> Self {
+        match error {
+            WaveletError::Cancelled => Self::Cancelled,
+            error => Self::Wavelet(error),
+        }
+    }
 }

@@ -24,8 +24,10 @@
 //! | `cells.rs` | faces of a subdivided base by number, and their neighbours |
 //! | `unfold.rs` | moves corners of cells that face away from the mesh |
 //! | `depth.rs` | [`Depth`]: which faces to split |
+//! | `bake/` | [`BakedTexture`], [`NormalMap`]: the mesh's textures, colours and normals for the atlas of a remesh |
 //! | `error.rs` | [`RemeshError`] |
 
+mod bake;
 mod cells;
 mod charts;
 mod coarsen;
@@ -44,6 +46,7 @@ mod smooth;
 mod unfold;
 mod warp;
 
+pub use bake::{BakedTexture, NormalMap, NormalSpace, Texture};
 pub use depth::Depth;
 pub use distortion::{Distortion, Spread};
 pub use error::RemeshError;

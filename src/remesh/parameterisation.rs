@@ -22,6 +22,9 @@ use super::{Depth, RemeshError, Smoothing};
 const LEAST_LEVEL: f64 = 2.0;
 const MOST_LEVEL: f64 = 6.0;
 
+/// Weight below which a point lies on a side of its triangle.
+const ON_SIDE: f64 = 1e-9;
+
 /// Share of a bake's time until the bounds are computed.
 const PLACING: f32 = 0.3;
 
@@ -86,7 +89,17 @@ impl Parameterisation {
             }
         }
         let edges = &BaseEdges::new(&base);
-        let features = edges.features(&base);
+        let mut features = edges.features(&base);
+        // A curve with a single sector at both ends has the same base vertices on both sides: ask the mesh.
+        for (sides, &face) in features.iter_mut().zip(&faces) {
+            for (side, is_feature) in sides.iter_mut().enumerate().filter(|(_, is_feature)| !**is_feature) {
+                let mut weights = [0.0; 3];
+                (weights[side], weights[(side + 1) % 3]) = (0.6, 0.4);
+                let place = layout.up(Place { face, weights });
+                let of_triangle = sectors.is_feature[place.face as usize];
+                *is_feature = (0..3).any(|k| of_triangle[k] && place.weights[(k + 2) % 3] < ON_SIDE);
+            }
+        }
         let warp = (smoothing == Smoothing::Harmonic).then(|| {
             let (layout, faces, features) = (&layout, &faces[..], &features[..]);
             let cells = source.triangles().len() as f64 / faces.len().max(1) as f64;
@@ -99,6 +112,11 @@ impl Parameterisation {
     /// Returns the base: vertices of the mesh with all attributes, materials by triangle.
     pub fn base(&self) -> &Mesh {
         &self.base
+    }
+
+    /// Returns the number of triangles of the mesh.
+    pub(super) fn source_triangles(&self) -> usize {
+        self.source_triangles
     }
 
     /// Whether a side of a base face, from corner `side` to the next, lies on a feature: a border, a crease, a seam, a border

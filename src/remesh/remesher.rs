@@ -117,11 +117,16 @@ impl<M: ErrorMetric> Remesher<M> {
         mesh: &Mesh,
         mut progress: impl FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Parameterisation, RemeshError> {
+        // The simplifier reports every few thousand collapses: small meshes would never be asked about.
+        if progress(0.0).is_break() {
+            return Err(RemeshError::Cancelled);
+        }
         let sectors = split(mesh, &self.features)?;
         if !sectors.is_face.contains(&true) {
             return Err(RemeshError::Empty);
         }
         let coarse = coarsen(&sectors, &mut self.metric, self.base_faces, &mut progress)?;
-        Ok(Parameterisation::new(mesh, &sectors, coarse, self.smoothing))
+        let map = Parameterisation::new(mesh, &sectors, coarse, self.smoothing);
+        if progress(1.0).is_break() { Err(RemeshError::Cancelled) } else { Ok(map) }
     }
 }

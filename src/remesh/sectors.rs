@@ -26,6 +26,8 @@ pub(super) struct Sectors {
     pub mesh: Mesh,
     /// Whether each input triangle has three different points.
     pub is_face: Vec<bool>,
+    /// Whether each side of each input triangle, from corner `k` to the next, lies on a feature edge.
+    pub is_feature: Vec<[bool; 3]>,
     /// Whether normals of the input make features. Otherwise they are hard everywhere.
     pub keeps_normals: bool,
 }
@@ -74,7 +76,10 @@ pub(super) fn split(mesh: &Mesh, features: &Features) -> Result<Sectors, RemeshE
     let locks: Vec<bool> = sector_point.iter().map(|&point| corners[point as usize]).collect();
     let label = Attribute::new("sector", 1, AttributeValues::Uint(labels));
     let sectors = Mesh::new(positions, triangles)?.with_attribute(label)?.with_locks(locks)?;
-    Ok(Sectors { mesh: sectors, is_face, keeps_normals })
+    let on_feature = |edge: u32| is_feature.get(edge as usize).copied().unwrap_or(false);
+    let is_feature =
+        edges.of_half_edges(points.len()).into_iter().map(|sides| sides.map(on_feature)).collect();
+    Ok(Sectors { mesh: sectors, is_face, is_feature, keeps_normals })
 }
 
 /// Finds the feature edges: all edges but those between two triangles of equal orientation, material and values that meet at
@@ -158,6 +163,11 @@ fn corners(mesh: &Mesh, topology: &Topology, curves: &[[u32; 2]]) -> Vec<bool> {
     for point in sharp {
         let [all, sharp] = counts[sets.find(point) as usize];
         is_corner[point as usize] |= 4 * sharp <= all.max(16);
+    }
+    // A curve of a single edge has one sector at each end, so nothing else holds its ends.
+    let degree = |p: u32| around.partition_point(|end| end.0 <= p) - around.partition_point(|end| end.0 < p);
+    for &[a, b] in curves.iter().filter(|edge| edge.iter().all(|&end| degree(end) == 1)) {
+        (is_corner[a as usize], is_corner[b as usize]) = (true, true);
     }
     is_corner
 }

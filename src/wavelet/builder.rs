@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use crate::lod::{Baked, Mixture, Origins, Progress};
-use crate::mesh::{Mesh, MeshPoint, Topology};
+use crate::mesh::{Mesh, MeshPoint, NONE, Topology};
 
-use super::sources::Sources;
+use super::sources::{LEAST_WEIGHT, Sources};
 use super::subdivision::SubdivisionBuilder;
 use super::{DomainPoint, WaveletError, WaveletMesh, WaveletOptions};
 
@@ -186,11 +186,23 @@ impl WaveletBuilder {
         self,
         source: &Mesh,
         options: &WaveletOptions,
-        mut at: impl FnMut(&DomainPoint) -> MeshPoint,
+        at: impl Fn(&DomainPoint) -> MeshPoint,
         mut progress: impl FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Baked<WaveletMesh>, WaveletError> {
         let Self { builder, base, mut positions } = self;
-        let subdivision = builder.finish(|of, face, side, _| seam_key(of, face, side));
+        let wedges = Topology::new(source);
+        // A seam may open between two base vertices and have no gap at either: sides are told apart by the source's wedges
+        // there too.
+        let subdivision = builder.finish(|of, face, side, _| {
+            let key = seam_key(of, face, side);
+            let places = of.domain_of_face(face).filter(|_| key != [0; 2]);
+            let around = places.map(|corners| {
+                let [a, b] = [corners[side], corners[(side + 1) % 3]];
+                let middle = std::array::from_fn(|i| 0.5 * (a.barycentric[i] + b.barycentric[i]));
+                wedges_at(source, &wedges, &at(&DomainPoint::new(a.base_face, middle)))
+            });
+            (key, around)
+        });
         for double in &subdivision.seam_vertices {
             positions.push(positions[subdivision.vertex_of(double.0) as usize]);
         }
@@ -252,6 +264,17 @@ impl WaveletBuilder {
         let mesh = WaveletMesh::assemble(subdivision, vertices, base.materials(), options, progress)?;
         Ok((mesh, ends))
     }
+}
+
+/// Returns the wedges that a point takes its values from, ascending.
+fn wedges_at(source: &Mesh, topology: &Topology, point: &MeshPoint) -> [u32; 3] {
+    let Some(corners) = source.triangles().get(point.triangle as usize) else { return [NONE; 3] };
+    let mut wedges = [0, 1, 2].map(|k| match point.barycentric[k] > LEAST_WEIGHT {
+        true => topology.wedge_of()[corners[k] as usize],
+        false => NONE,
+    });
+    wedges.sort_unstable();
+    wedges
 }
 
 /// Returns a key for a side: the base vertices at the ends of its base edge. Constant inside base faces, where sides need

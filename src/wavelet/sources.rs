@@ -11,7 +11,7 @@ use crate::lod::Mixture;
 use crate::mesh::{Attribute, Blender, Mesh, MeshPoint};
 
 /// Weights below this are rounding: a vertex on an edge of the source takes no values from the third corner.
-const LEAST_WEIGHT: f64 = 1e-9;
+pub(super) const LEAST_WEIGHT: f64 = 1e-9;
 
 /// Collects vertices with their sources and attributes.
 pub(super) struct Sources<'a> {

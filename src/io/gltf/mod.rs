@@ -16,7 +16,8 @@
 //! share vertices.
 //!
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
-//! `_NAME` an attribute called `NAME`. Primitives lacking an attribute get zeros. Images are never opened.
+//! `_NAME` an attribute called `NAME`. Primitives lacking an attribute get zeros. Images are never opened; a written
+//! file refers to pictures where asked to ([`GltfTextures`]).
 
 mod accessor;
 mod document;
@@ -26,4 +27,5 @@ mod semantics;
 mod write;
 
 pub(super) use read::read;
+pub use write::GltfTextures;
 pub(super) use write::write;

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Value, json};
 
 use crate::io::error::WriteError;
@@ -19,11 +20,46 @@ use super::semantics::semantic;
 /// Most materials: each takes an entry in the document, with or without a name.
 const MAX_MATERIALS: u32 = 1 << 16;
 
+/// Characters of a relative path that a URI has as they are.
+const IN_URI: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_').remove(b'~');
+
+/// Pictures that a glTF file refers to, for all its materials: paths relative to the file, with `/` between folders. The
+/// files are not opened.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct GltfTextures {
+    /// Base colours, `baseColorTexture`. Default: none.
+    pub base_colour: Option<String>,
+    /// Normals in tangent space, `normalTexture`. Default: none.
+    pub normal: Option<String>,
+}
+
+impl GltfTextures {
+    /// Sets the picture of base colours.
+    #[must_use]
+    pub fn with_base_colour(mut self, path: impl Into<String>) -> Self {
+        self.base_colour = Some(path.into());
+        self
+    }
+
+    /// Sets the picture of normals.
+    #[must_use]
+    pub fn with_normal(mut self, path: impl Into<String>) -> Self {
+        self.normal = Some(path.into());
+        self
+    }
+}
+
 /// Encodes a mesh as a .glb, or as a .gltf with an embedded buffer.
-pub(in crate::io) fn write(mesh: &Mesh, binary: bool) -> Result<Vec<u8>, WriteError> {
+pub(in crate::io) fn write(
+    mesh: &Mesh,
+    binary: bool,
+    textures: &GltfTextures,
+) -> Result<Vec<u8>, WriteError> {
     let mut file = File::default();
     if !mesh.positions().is_empty() {
         file.mesh(mesh)?;
+        file.textures(mesh, textures)?;
     }
     let File { mut buffer, mut document, .. } = file;
     document["asset"] = json!({ "version": "2.0", "generator": "multires" });
@@ -124,6 +160,42 @@ impl File {
             };
             let count = mesh.material_names().len().max(most as usize + 1);
             self.document["materials"] = (0..count).map(name).collect();
+        }
+        Ok(())
+    }
+
+    /// Adds the pictures to every material; primitives without a material get one.
+    fn textures(&mut self, mesh: &Mesh, textures: &GltfTextures) -> Result<(), WriteError> {
+        let pictures = [("baseColorTexture", &textures.base_colour), ("normalTexture", &textures.normal)];
+        let pictures: Vec<(&str, &String)> =
+            pictures.into_iter().filter_map(|(slot, path)| Some((slot, path.as_ref()?))).collect();
+        if pictures.is_empty() || mesh.triangles().is_empty() {
+            return Ok(());
+        }
+        if mesh.attribute(names::UV).is_none_or(|uv| uv.width() != 2 || uv.as_floats().is_none()) {
+            return Err(unsupported("pictures on a mesh without texture coordinates".to_owned()));
+        }
+        let document = &mut self.document;
+        if mesh.materials().is_empty() {
+            document["materials"] = json!([{}]);
+            document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        }
+        // Linear, with mipmaps; repeating, which an atlas does not use.
+        document["samplers"] = json!([{ "magFilter": 9729, "minFilter": 9987 }]);
+        let image =
+            |(_, path): &(&str, &String)| json!({ "uri": utf8_percent_encode(path, IN_URI).to_string() });
+        document["images"] = pictures.iter().map(image).collect();
+        document["textures"] = (0..pictures.len()).map(|i| json!({ "sampler": 0, "source": i })).collect();
+        for material in document["materials"].as_array_mut().into_iter().flatten() {
+            // Not metal, as materials are by default.
+            material["pbrMetallicRoughness"] = json!({ "metallicFactor": 0.0 });
+            for (i, (slot, _)) in pictures.iter().enumerate() {
+                let texture = json!({ "index": i });
+                match *slot {
+                    "baseColorTexture" => material["pbrMetallicRoughness"][*slot] = texture,
+                    _ => material[*slot] = texture,
+                }
+            }
         }
         Ok(())
     }

@@ -283,6 +283,15 @@ impl Atlas {
     ) -> Result<Vec<T>, WaveletError> {
         self.check(mesh)?;
         let sampler = mesh.sampler();
+        Ok(self.fill(|point| sampler.at(point).map(|point| colour(&point))))
+    }
+
+    /// Fills a texture, row by row. Each texel of a chart or its gutter gets `value` at the place on the base at its
+    /// centre, or at the nearest place of the chart. Texels outside charts and gutters, and texels where `value` is
+    /// `None`, are `T::default()`.
+    ///
+    /// Deterministic if `value` is. O(texels).
+    pub fn fill<T: Copy + Default + Send>(&self, value: impl Fn(&DomainPoint) -> Option<T> + Sync) -> Vec<T> {
         let width = self.resolution as usize;
         let mut texels = vec![T::default(); width * width];
         let fill = |(y, row): (usize, &mut [T])| {
@@ -291,9 +300,8 @@ impl Atlas {
             let cells = self.shelves.get(shelf).map_or(0..0, |shelf| shelf.cells.clone());
             for cell in self.cells[cells].iter().filter(|cell| y < cell.corner[1] + cell.size) {
                 for x in 0..cell.size {
-                    let point = self.nearest(cell, [x, y - cell.corner[1]]);
-                    if let Some(point) = sampler.at(&point) {
-                        row[(cell.corner[0] + x) as usize] = colour(&point);
+                    if let Some(value) = value(&self.nearest(cell, [x, y - cell.corner[1]])) {
+                        row[(cell.corner[0] + x) as usize] = value;
                     }
                 }
             }
@@ -301,7 +309,7 @@ impl Atlas {
         if width > 0 {
             parallel::fill_chunks(&mut texels, width, fill);
         }
-        Ok(texels)
+        texels
     }
 
     /// Returns the point of a cell's charts nearest to the centre of a texel. Uses the chart on the texel's side of the

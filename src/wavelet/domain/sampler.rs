@@ -78,28 +78,37 @@ fn within(of: &Subdivision, face: u32, vertex: u32) -> [f64; 3] {
     }
 }
 
-impl SurfaceSampler<'_> {
-    /// Returns the point at a place. `None` if the base face is missing, a coordinate is not finite, or no coordinate is above
-    /// 0. Negative coordinates are set to 0, then all are scaled to sum to 1. O(level).
-    pub fn at(&self, domain: &DomainPoint) -> Option<SurfacePoint> {
-        let of = self.mesh.subdivision();
+impl Subdivision {
+    /// Returns the unsplit face at a place, the coordinates there in the face, and the place with coordinates that sum to 1.
+    /// `None` as [`SurfaceSampler::at`]. O(level).
+    pub(crate) fn face_at(&self, domain: &DomainPoint) -> Option<(u32, [f64; 3], DomainPoint)> {
         let mut weights = domain.barycentric.map(|weight| weight.max(0.0));
         let sum: f64 = weights.iter().sum();
-        let fits = (domain.base_face as usize) < of.base_face_count();
+        let fits = (domain.base_face as usize) < self.base_face_count();
         if !fits || !sum.is_finite() || sum <= 0.0 || domain.barycentric.iter().any(|w| !w.is_finite()) {
             return None;
         }
         weights = weights.map(|weight| weight / sum);
         let domain = DomainPoint { barycentric: weights, ..*domain };
         let mut face = domain.base_face;
-        while of.is_split(face) {
+        while self.is_split(face) {
             let child = weights.iter().position(|&weight| weight >= 0.5).unwrap_or(3);
             weights = match child {
                 3 => [0, 1, 2].map(|k| (1.0 - 2.0 * weights[(k + 2) % 3]).max(0.0)),
                 i => [2.0 * weights[i] - 1.0, 2.0 * weights[(i + 1) % 3], 2.0 * weights[(i + 2) % 3]],
             };
-            face = of.child(face, child);
+            face = self.child(face, child);
         }
+        Some((face, weights, domain))
+    }
+}
+
+impl SurfaceSampler<'_> {
+    /// Returns the point at a place. `None` if the base face is missing, a coordinate is not finite, or no coordinate is above
+    /// 0. Negative coordinates are set to 0, then all are scaled to sum to 1. O(level).
+    pub fn at(&self, domain: &DomainPoint) -> Option<SurfacePoint> {
+        let of = self.mesh.subdivision();
+        let (face, mut weights, domain) = of.face_at(domain)?;
         let mut corners = of.corners(face);
         let start = self.cut.partition_point(|cut| cut.0 < face);
         let mut best = f64::NEG_INFINITY;
