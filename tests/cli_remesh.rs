@@ -238,7 +238,10 @@ fn smoothing_keeps_angles_better() {
     });
     assert!(harmonic < off, "{harmonic} {off}");
     let (default, _) = remeshed(&folder, &mesh, "--levels 4 --base 60");
-    assert_eq!((&default["smoothing"], length(&default["distortion"]["angle"]["mean"])), (&"harmonic".into(), harmonic));
+    assert_eq!(
+        (&default["smoothing"], length(&default["distortion"]["angle"]["mean"])),
+        (&"harmonic".into(), harmonic)
+    );
 }
 
 #[test]

@@ -152,8 +152,13 @@ impl Remeshed {
         let metric = metric::by_name(name).ok_or_else(unknown)?;
         let creasing = base.features.map_or(Creasing::Automatic, |angle| Creasing::Angle(angle as f32));
         let asked = base.faces.unwrap_or(FACES);
-        let mut remesher =
-            Remesher::new().metric(metric).base_faces(asked).features(Features::new().creasing(creasing));
+        let (smoothing, smoothing_name) = match base.smoothing {
+            None | Some(Smooth::Harmonic) => (Smoothing::Harmonic, "harmonic"),
+            Some(Smooth::Off) => (Smoothing::Off, "off"),
+        };
+        let features = Features::new().creasing(creasing);
+        let remesher = Remesher::new().metric(metric).base_faces(asked).features(features);
+        let mut remesher = remesher.smoothing(smoothing);
         let bar = Bar::new("mapping");
         let map = remesher.run_with(mesh, |share| bar.share(share)).map_err(Failure::input)?;
         drop(bar);
