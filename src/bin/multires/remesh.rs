@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::mesh::Mesh;
 use multires::quality::{self, DistanceOptions};
-use multires::remesh::{Creasing, Depth, Distortion, Features, Remesher, Smoothing, Spread};
+use multires::remesh::{self, Creasing, Depth, Features, Parameterisation, Remesher, Smoothing, Spread};
 use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
@@ -66,11 +66,11 @@ pub struct Deep {
     /// Split every face of the base four to one this many times, 0 to 10.
     #[arg(long, value_name = "J", value_parser = RangedU64ValueParser::<usize>::new().range(0..=10))]
     levels: Option<usize>,
-    /// Split faces until every vertex of the mesh is within this of the face that it lies over, object units.
+    /// Split faces until the distance between mesh and remesh, measured both ways, is at most this, object units.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     error: Option<f64>,
-    /// Split faces until every vertex of the mesh is within this of the face that it lies over, in percent of the diagonal of
-    /// the mesh's box.
+    /// Split faces until the distance between mesh and remesh, measured both ways, is at most this, in percent of the diagonal
+    /// of the mesh's box.
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
 }
@@ -162,10 +162,13 @@ impl Remeshed {
         let bar = Bar::new("mapping");
         let map = remesher.run_with(mesh, |share| bar.share(share)).map_err(Failure::input)?;
         drop(bar);
-        let bar = Bar::new("remeshing");
-        let baked = map.bake_with(mesh, deep.depth(mesh), options, |share| bar.share(share));
-        drop(bar);
-        let baked = baked.map_err(Failure::input)?;
+        let depth = deep.depth(mesh);
+        let mut remesh = bake(&map, mesh, depth, options)?;
+        let mut missed = None;
+        if let Depth::Error(asked) = depth {
+            (remesh, missed) = tightened(&map, mesh, asked, options, remesh)?;
+        }
+        let (baked, unfolded, left) = (remesh.model, remesh.unfolded, remesh.folded);
         let depth = baked.structure().subdivision().depth();
         let level = depth.min(MEASURED_LEVEL);
         let distortion = map.distortion(mesh, level);
@@ -182,11 +185,11 @@ impl Remeshed {
                 "the base has {faces} faces, not {asked}: features, the topology or the shapes of triangles forbid fewer"
             ));
         }
-        if distortion.folded > 0 {
-            let Distortion { folded, triangles, .. } = distortion;
+        if left > 0 {
             warnings
-                .push(format!("{folded} of {triangles} triangles of level {level} face away from the mesh"));
+                .push(format!("{left} triangles face away from the mesh, beside folds finer than they are"));
         }
+        warnings.extend(missed);
         let members = vec![
             ("metric", json!(name)),
             ("smoothing", json!(smoothing_name)),
@@ -205,6 +208,8 @@ impl Remeshed {
                     "folded": distortion.folded,
                 }),
             ),
+            ("unfolded", json!(unfolded)),
+            ("folded", json!(left)),
         ];
         let mut rows = Table::default();
         rows.row("base", format!("{vertices} vertices, {faces} faces, by {name}"));
@@ -212,10 +217,56 @@ impl Remeshed {
         rows.row("map", format!("{bytes} bytes, {each:.1} a triangle of the input"));
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
-        rows.row("folded", format!("{} of {} triangles", distortion.folded, distortion.triangles));
+        rows.row("folded", format!("{left} triangles ({unfolded} more were unfolded)"));
         Ok(Self { baked, members, rows, warnings })
     }
 }
+
+/// Remeshes to a depth, with a bar.
+fn bake(
+    map: &Parameterisation,
+    mesh: &Mesh,
+    depth: Depth,
+    options: &WaveletOptions,
+) -> Result<remesh::Remesh, Failure> {
+    let bar = Bar::new("remeshing");
+    map.bake_with(mesh, depth, options, |share| bar.share(share)).map_err(Failure::input)
+}
+
+/// Rounds of measuring and remeshing with a smaller tolerance.
+const ROUNDS: usize = 4;
+
+/// Remeshes with smaller tolerances until the measured distance, both ways, is at most `asked`. Also returns a warning if it
+/// never is.
+fn tightened(
+    map: &Parameterisation,
+    mesh: &Mesh,
+    asked: f32,
+    options: &WaveletOptions,
+    mut remesh: remesh::Remesh,
+) -> Result<(remesh::Remesh, Option<String>), Failure> {
+    let mut tolerance = asked;
+    for round in 0..=ROUNDS {
+        let finest = remesh.model.structure().finest(Normals::Kept);
+        let bar = Bar::new("measuring");
+        let distance = quality::distance(mesh, &finest, &DistanceOptions::default());
+        drop(bar);
+        let found = distance.map_err(Failure::input)?.hausdorff();
+        if found <= f64::from(asked) || tolerance <= 0.0 {
+            return Ok((remesh, None));
+        }
+        if round == ROUNDS {
+            let text = format!("the measured distance is {}, above the error asked for", number(found));
+            return Ok((remesh, Some(text)));
+        }
+        tolerance *= (0.9 * f64::from(asked) / found).max(LEAST_SHARE) as f32;
+        remesh = bake(map, mesh, Depth::Error(tolerance), options)?;
+    }
+    Ok((remesh, None))
+}
+
+/// Least share of the tolerance that the next round takes: a distance may be measured at a place that no depth changes.
+const LEAST_SHARE: f64 = 0.4;
 
 fn spread(spread: &Spread) -> Value {
     json!({ "mean": spread.mean, "p99": spread.p99 })
