@@ -353,7 +353,7 @@ impl Budget {
             sum > room
         });
         // Steps that follow within the next frame's first window may fill the rest.
-        let [low, high] = reached.map_or([0.0; 2], |class| keys_of(class));
+        let [low, high] = reached.map_or([0.0; 2], keys_of);
         [low / (boost * WINDOWS[0]), high]
     }
 
