@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::mesh::Mesh;
 use multires::quality::{self, DistanceOptions};
-use multires::remesh::{Creasing, Depth, Distortion, Features, Remesher, Smoothing, Spread};
+use multires::remesh::{Creasing, Depth, Features, Remesher, Smoothing, Spread};
 use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
@@ -163,9 +163,10 @@ impl Remeshed {
         let map = remesher.run_with(mesh, |share| bar.share(share)).map_err(Failure::input)?;
         drop(bar);
         let bar = Bar::new("remeshing");
-        let baked = map.bake_with(mesh, deep.depth(mesh), options, |share| bar.share(share));
+        let remesh = map.bake_with(mesh, deep.depth(mesh), options, |share| bar.share(share));
         drop(bar);
-        let baked = baked.map_err(Failure::input)?;
+        let remesh = remesh.map_err(Failure::input)?;
+        let (baked, unfolded, folded) = (remesh.model, remesh.unfolded, remesh.folded);
         let depth = baked.structure().subdivision().depth();
         let level = depth.min(MEASURED_LEVEL);
         let distortion = map.distortion(mesh, level);
@@ -182,10 +183,8 @@ impl Remeshed {
                 "the base has {faces} faces, not {asked}: features, the topology or the shapes of triangles forbid fewer"
             ));
         }
-        if distortion.folded > 0 {
-            let Distortion { folded, triangles, .. } = distortion;
-            warnings
-                .push(format!("{folded} of {triangles} triangles of level {level} face away from the mesh"));
+        if folded > 0 {
+            warnings.push(format!("{folded} triangles face away from the mesh: folds finer than they are"));
         }
         let members = vec![
             ("metric", json!(name)),
@@ -194,6 +193,8 @@ impl Remeshed {
                 "base",
                 json!({ "asked": asked, "faces": faces, "vertices": vertices, "feature_sides": feature_sides }),
             ),
+            ("unfolded", json!(unfolded)),
+            ("folded", json!(folded)),
             ("map", json!({ "bytes": bytes, "bytes_per_triangle": each })),
             (
                 "distortion",
@@ -202,7 +203,6 @@ impl Remeshed {
                     "triangles": distortion.triangles,
                     "angle": spread(&distortion.angle),
                     "area": spread(&distortion.area),
-                    "folded": distortion.folded,
                 }),
             ),
         ];
@@ -212,7 +212,7 @@ impl Remeshed {
         rows.row("map", format!("{bytes} bytes, {each:.1} a triangle of the input"));
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
-        rows.row("folded", format!("{} of {} triangles", distortion.folded, distortion.triangles));
+        rows.row("folded", format!("{folded} triangles; {unfolded} unfolded"));
         Ok(Self { baked, members, rows, warnings })
     }
 }
