@@ -21,6 +21,7 @@ mod say;
 
 use std::error::Error;
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -71,7 +72,9 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     let start = Instant::now();
     let map = Remesher::new().base_faces(*base).run(&mesh)?;
     let mapped = start.elapsed().as_secs_f64();
-    let model = map.bake(&mesh, Depth::Levels(*levels), &WaveletOptions::default())?;
+    let options = WaveletOptions::default();
+    let remesh = map.bake_with(&mesh, Depth::Levels(*levels), &options, |_| ControlFlow::Continue(()))?;
+    let model = remesh.model;
     let baked = start.elapsed().as_secs_f64();
     let each = map.memory() as f64 / mesh.triangles().len().max(1) as f64;
     writeln!(
@@ -83,13 +86,13 @@ fn run(arguments: &Arguments, says: &mut impl Write) -> Result<(), Box<dyn Error
     let distortion = map.distortion(&mesh, *levels);
     writeln!(
         says,
-        "angles stretched by {:.3} (mean), {:.3} (99 % are below); areas by {:.3}, {:.3}; {} of {} triangles folded\n",
+        "angles stretched by {:.3} (mean), {:.3} (99 % are below); areas by {:.3}, {:.3}; {} triangles folded, {} unfolded\n",
         distortion.angle.mean,
         distortion.angle.p99,
         distortion.area.mean,
         distortion.area.p99,
-        grouped(distortion.folded),
-        grouped(distortion.triangles),
+        grouped(remesh.folded),
+        grouped(remesh.unfolded),
     )?;
 
     // The wavelet mesh is a model as any other: levels, views, files. Here all its levels.

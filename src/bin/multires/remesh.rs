@@ -168,7 +168,7 @@ impl Remeshed {
         if let Depth::Error(asked) = depth {
             (remesh, missed) = tightened(&map, mesh, asked, options, remesh)?;
         }
-        let (baked, unfolded, left) = (remesh.model, remesh.unfolded, remesh.folded);
+        let (baked, unfolded, folded) = (remesh.model, remesh.unfolded, remesh.folded);
         let depth = baked.structure().subdivision().depth();
         let level = depth.min(MEASURED_LEVEL);
         let distortion = map.distortion(mesh, level);
@@ -185,9 +185,8 @@ impl Remeshed {
                 "the base has {faces} faces, not {asked}: features, the topology or the shapes of triangles forbid fewer"
             ));
         }
-        if left > 0 {
-            warnings
-                .push(format!("{left} triangles face away from the mesh, beside folds finer than they are"));
+        if folded > 0 {
+            warnings.push(format!("{folded} triangles face away from the mesh: folds finer than they are"));
         }
         warnings.extend(missed);
         let members = vec![
@@ -197,6 +196,8 @@ impl Remeshed {
                 "base",
                 json!({ "asked": asked, "faces": faces, "vertices": vertices, "feature_sides": feature_sides }),
             ),
+            ("unfolded", json!(unfolded)),
+            ("folded", json!(folded)),
             ("map", json!({ "bytes": bytes, "bytes_per_triangle": each })),
             (
                 "distortion",
@@ -205,11 +206,8 @@ impl Remeshed {
                     "triangles": distortion.triangles,
                     "angle": spread(&distortion.angle),
                     "area": spread(&distortion.area),
-                    "folded": distortion.folded,
                 }),
             ),
-            ("unfolded", json!(unfolded)),
-            ("folded", json!(left)),
         ];
         let mut rows = Table::default();
         rows.row("base", format!("{vertices} vertices, {faces} faces, by {name}"));
@@ -217,7 +215,7 @@ impl Remeshed {
         rows.row("map", format!("{bytes} bytes, {each:.1} a triangle of the input"));
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
-        rows.row("folded", format!("{left} triangles ({unfolded} more were unfolded)"));
+        rows.row("folded", format!("{folded} triangles; {unfolded} unfolded"));
         Ok(Self { baked, members, rows, warnings })
     }
 }
