@@ -208,6 +208,21 @@ fn a_scene_without_a_past_is_split_near_the_bound() {
     }
 }
 
+/// What does not fit leaves its triangles to the next steps, also where they are of another class of keys.
+#[test]
+fn the_rest_goes_to_steps_that_follow() {
+    // Steps that save 2, 1 and 0.95 a triangle.
+    let ladder = |error: f32, triangles: usize| Ladder::new(&[(10, error), (10 + triangles, 0.0)]).unwrap();
+    let ladders = [ladder(2_000.0, 1_000), ladder(1_000.0, 1_000), ladder(95.0, 100)];
+    let objects = ladders.each_ref().map(|ladder| LadderObject::new(ladder, 1.0));
+    let options = BudgetOptions::default().with_triangles(1_530).with_exact(0);
+    let mut budget = Budget::new(options).unwrap();
+    for _ in 0..2 {
+        assert_eq!(budget.split(&objects).triangles, 1_130);
+        assert_eq!(budget.levels(), [1, 0, 1]);
+    }
+}
+
 #[test]
 fn an_exponent_is_learned_within_limits() {
     let learned = |factor: f32, triangles: usize| {

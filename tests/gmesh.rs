@@ -421,7 +421,9 @@ fn moved_vertices_are_those_of_the_state() {
     let model = Gmesh::bake(&mesh).unwrap();
     let values = model.arrange(mesh.positions()).unwrap().with_blending();
     let morph = multires::adapt::Geomorph::default().with_duration(0.3);
-    let mut lod = model.instance(values.clone(), &LodOptions::default().with_geomorph(morph)).unwrap();
+    // Vertices begin to move once asked to.
+    let mut lod = model.instance(values.clone(), &LodOptions::default()).unwrap();
+    lod.set_options(&LodOptions::default().with_geomorph(morph)).unwrap();
     let view = |far: f32| {
         let to_eye = look_at([0.0, 0.0, far], [0.0; 3], [0.0, 1.0, 0.0]);
         View::perspective(to_eye, 1.0, [1280, 720]).unwrap().with_tolerance_px(2.0).of_world()
