@@ -26,11 +26,14 @@ use multires::mesh::shapes;
 use multires::simplify::StopReason;
 use multires::tom::{Resolution, TotallyOrderedMesh};
 use multires::{Level, Simplifier, io};
+use picture::Shown;
 use say::{grouped, name_file};
 
 /// Levels are in the picture where their error is at most this share of the diagonal.
 const PICTURED: f64 = 0.05;
 
+/// Pixels that a level is rendered in.
+const PIXELS: usize = 308;
 /// The levels shown, in percent of the triangles.
 const PERCENTS: [f32; 10] = [100.0, 50.0, 25.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
 /// Times that an extraction is repeated for its median.
@@ -114,7 +117,8 @@ fn run(model: Option<&Path>, out: &Path, says: &mut impl Write) -> Result<(), Bo
         let level = sequence.extract(&mesh, steps);
         io::write(out.join(format!("level-{percent}.ply")), &level)?;
         if f64::from(error) <= PICTURED * diagonal {
-            levels.push((caption(percent, resolution), level));
+            let caption = caption(percent, resolution);
+            levels.push(Shown { caption, mesh: level, colours: None, edges: 1.0 });
         }
         if resolution == tom.coarsest() {
             writeln!(says, "        the base mesh: nothing is coarser")?;
@@ -123,7 +127,7 @@ fn run(model: Option<&Path>, out: &Path, says: &mut impl Write) -> Result<(), Bo
     }
 
     let file = out.join("levels.png");
-    std::fs::write(&file, picture::levels(&mesh, &levels)?.png(6)?)
+    std::fs::write(&file, picture::sheet(&mesh, PIXELS, &levels)?.png(6)?)
         .map_err(|error| name_file(&file, &error))?;
     writeln!(
         says,

@@ -9,6 +9,7 @@
 //! | [`tom`] | the totally ordered mesh: any level, any frame |
 //! | [`hierarchy`] | the vertex hierarchy: fine where a view needs it |
 //! | [`wavelet`] | wavelets on meshes made by subdivision |
+//! | [`remeshing`] | any mesh as one made by subdivision, and points that go both ways |
 //! | [`many_objects`] | a scene within a frame time or a number of triangles |
 //! | [`engine`] | what a frame does, and where backends differ |
 //! | [`quality`] | measuring what a level has lost |
@@ -25,6 +26,7 @@ macro_rules! chapter {
         #[doc = "[hierarchy-views]: crate::guide::hierarchy#views"]
         #[doc = "[hierarchy-limits-and-vertices-that-do-not-jump]: crate::guide::hierarchy#limits-and-vertices-that-do-not-jump"]
         #[doc = "[wavelet]: crate::guide::wavelet"]
+        #[doc = "[remeshing]: crate::guide::remeshing"]
         #[doc = "[many_objects]: crate::guide::many_objects"]
         #[doc = "[engine]: crate::guide::engine"]
         #[doc = "[quality]: crate::guide::quality"]
@@ -41,6 +43,7 @@ chapter!(further, "further.md");
 chapter!(tom, "tom.md");
 chapter!(hierarchy, "hierarchy.md");
 chapter!(wavelet, "wavelet.md");
+chapter!(remeshing, "remeshing.md");
 chapter!(many_objects, "many_objects.md");
 chapter!(engine, "engine.md");
 chapter!(quality, "quality.md");

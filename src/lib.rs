@@ -50,7 +50,7 @@
 //! triangles under the merges, less the triangles with two equal corners*. There is no other connectivity, so no step can lose
 //! or corrupt any, on open, non-manifold or otherwise odd meshes either. The structures differ in how they compute the image
 //! quickly. Only [`wavelet`] meshes work differently: by a coarse mesh and a sum of corrections, for meshes made by
-//! subdivision.
+//! subdivision, which [`remesh`] makes of any mesh.
 //!
 //! # Modules
 //!
@@ -65,6 +65,7 @@
 //! | [`gmesh`] | the [`Gmesh`]: few levels that turn into each other in a vertex shader, for objects drawn many times |
 //! | [`hierarchy`] | the [`VertexHierarchy`]: fine where a view needs it, for any mesh |
 //! | [`wavelet`] | the [`WaveletMesh`]: fine where a view needs it, for subdivision meshes; textures stay in place |
+//! | [`remesh`] | any mesh as a subdivision mesh, with a map that takes points both ways |
 //! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
 //! | [`adapt`] | following a view: the cut, changed ranges |
 //! | [`control`] | a frame time, or a number of triangles, for a whole scene |

@@ -116,7 +116,7 @@ fn meshes_without_the_connectivity_are_refused_with_the_reason() {
         io::write(&input, &mesh).unwrap();
         let said = json("build", &[&input, &output], "--structure wavelet").refusal();
         assert!(said.contains("in.ply") && said.contains(reason), "{said}");
-        for way in ["--structure hierarchy", "--structure tom", "subdivide"] {
+        for way in ["--remesh --levels", "--structure hierarchy", "--structure tom", "subdivide"] {
             assert!(said.contains(way), "{said}");
         }
         assert_eq!(std::fs::read(&output).unwrap(), b"old");

@@ -6,6 +6,7 @@
 //! | `flythrough` | docs/results/hierarchy.md: a flight past a vertex hierarchy |
 //! | `wavelet` | docs/results/wavelets.md: flights past wavelet meshes |
 //! | `wavelet_compression` | docs/results/wavelet-compression.md: how few coefficients do |
+//! | `remeshing` | docs/results/remeshing.md: any mesh as one with subdivision connectivity |
 //! | `fidelity` | docs/performance.md: reported errors beside measured ones |
 
 #![allow(missing_docs)]
@@ -19,6 +20,10 @@ pub mod flight;
 pub mod lettering;
 pub mod outside;
 pub mod painted;
+#[path = "../../../examples/support/parameter_lines.rs"]
+pub mod parameter_lines;
+#[path = "../../../examples/support/picture.rs"]
+pub mod picture;
 pub mod plates;
 pub mod race;
 #[path = "../../../examples/support/say.rs"]

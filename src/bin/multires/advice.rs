@@ -88,10 +88,10 @@ fn ways(rules: &Rules, level: &Mesh) -> Vec<Way> {
     let names: Vec<String> = level.attributes().iter().map(|a| a.name().to_owned()).collect();
     if !names.is_empty() {
         let option = format!("--drop {}", names.join(","));
-        ways.push(("seam", option, Box::new(move |rules| rules.drop.clone_from(&names))));
+        ways.push(("seam", option, Box::new(move |rules| rules.preparation.drop.clone_from(&names))));
     }
     if !level.materials().is_empty() {
-        let change = |rules: &mut Rules| rules.drop.push("material".to_owned());
+        let change = |rules: &mut Rules| rules.preparation.drop.push("material".to_owned());
         ways.push(("material", "--drop material".to_owned(), Box::new(change)));
     }
     if rules.keep_parts {

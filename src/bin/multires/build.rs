@@ -21,6 +21,7 @@ use crate::facts::Facts;
 use crate::model::Model;
 use crate::output::{Answer, Failure, Run, Table};
 use crate::progress::Bar;
+use crate::remesh::{Base, Deep, Remeshed};
 use crate::rules::{self, Given, Place, share};
 use crate::{batches, files, simplify};
 
@@ -34,7 +35,8 @@ use crate::{batches, files, simplify};
 /// mesh are then the default, and each is a level.
 ///
 /// Wavelets (wavelet) are for meshes made by four-to-one subdivision of coarser meshes. Nothing is simplified: the coarsest
-/// such mesh is found, and every vertex above it is a wavelet.
+/// such mesh is found, and every vertex above it is a wavelet. With --remesh any mesh is first made such a mesh, as by the
+/// command `remesh`.
 #[derive(Args, Clone)]
 pub struct Build {
     /// The mesh file to read.
@@ -63,6 +65,13 @@ pub struct Build {
     /// Stop simplifying at this many triangles [default: at the base mesh].
     #[arg(long, value_name = "N")]
     coarsest: Option<usize>,
+    /// Remesh first: for wavelets of a mesh without subdivision connectivity.
+    #[arg(long)]
+    remesh: bool,
+    #[command(flatten)]
+    deep: Deep,
+    #[command(flatten)]
+    base: Base,
     #[command(flatten)]
     given: Given,
 }
@@ -116,6 +125,11 @@ impl Run for Build {
         only_for(self.dependencies.is_some(), "--dependencies", Structure::Hierarchy, "hierarchy")?;
         only_for(self.bound.is_some(), "--bound", Structure::Wavelet, "wavelet")?;
         only_for(self.shape.is_some(), "--shape", Structure::Wavelet, "wavelet")?;
+        only_for(self.remesh, "--remesh", Structure::Wavelet, "wavelet")?;
+        if !self.remesh && (self.deep.is_given() || !self.base.is_default()) {
+            let reason = "--levels, --error, --error-percent, --base and --features are for --remesh";
+            return Err(Failure::Usage(reason.to_owned()));
+        }
         only_for(self.level_share.is_some(), "--level-share", Structure::Gmesh, "gmesh")?;
         match self.structure {
             Structure::Tom => {
@@ -219,9 +233,16 @@ impl Build {
     }
 
     fn wavelet(&self) -> Result<Answer, Failure> {
-        self.given.check_unused("--structure wavelet simplifies nothing")?;
+        let (used, does): (&[_], _) = match self.remesh {
+            true => (&["drop", "weld", "metric"], "--remesh simplifies by rules of its own"),
+            false => (&["drop", "weld"], "--structure wavelet simplifies nothing"),
+        };
+        self.given.check_unused(used, does)?;
         if self.coarsest.is_some() {
-            return Err(Failure::Usage("--coarsest: --structure wavelet simplifies nothing".to_owned()));
+            return Err(Failure::Usage(format!("--coarsest: {does}")));
+        }
+        if self.remesh {
+            self.deep.check()?;
         }
         let imported = files::read_mesh(&self.input)?;
         let input = files::describe(&self.input, &imported.mesh);
@@ -237,6 +258,16 @@ impl Build {
         };
         let options = WaveletOptions::default().with_bound(bound).with_shape(shape);
         let start = Instant::now();
+        let mut notes = imported.notes;
+        if self.remesh {
+            let how = (&self.deep, &self.base, self.given.metric());
+            let Remeshed { baked, members, rows, warnings } =
+                Remeshed::new(&mesh, how, &options).map_err(|failure| failure.about(&self.input))?;
+            notes.extend(warnings);
+            let members = vec![("remesh", members.into_iter().collect())];
+            let model = Model(Box::new(baked));
+            return self.answer(Built { model, start, input, input_text, notes, members, rows });
+        }
         let bar = Bar::new("building");
         let baked = WaveletMesh::bake_with(&mesh, &options, |share| bar.share(share));
         drop(bar);
@@ -247,7 +278,6 @@ impl Build {
             _ => Failure::Input(format!("{}: {error}", self.input.display())),
         })?;
         let components = recognise_across_seams(&mesh).components;
-        let mut notes = imported.notes;
         notes.extend(rigid(&components));
         let members = vec![("components", components.iter().map(component).collect())];
         let mut rows = Table::default();
@@ -304,8 +334,8 @@ struct Built {
 }
 
 /// Advice for a mesh without subdivision connectivity.
-const WAY_OUT: &str = "--structure hierarchy and --structure tom take any mesh; or subdivide a coarse one (Loop, midpoint), \
-                       or --drop materials whose borders are in the way";
+const WAY_OUT: &str = "--remesh --levels 4 makes one of any mesh; --structure hierarchy and --structure tom take any mesh as \
+                       it is; or subdivide a coarse one (Loop, midpoint), or --drop materials whose borders are in the way";
 
 /// Most components listed for people; the rest are counted.
 const LISTED: usize = 12;

@@ -6,11 +6,12 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs` | a command each |
+//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs`, `remesh.rs` | a command each |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
 //! | `batches.rs` | arguments about batches, and the list of what each left |
 //! | `rules.rs` | how to simplify: arguments common to `simplify` and `build`; `advice.rs`: options to get further |
+//! | `prepare.rs` | attributes to drop and positions to weld: arguments common to these and `remesh` |
 //! | `model.rs` | a baked model of any structure, and how it is drawn |
 //! | `camera.rs` | how to look: arguments common to `adapt` and `fly` |
 //! | `path.rs` | camera paths as text |
@@ -35,7 +36,9 @@ mod model;
 mod output;
 mod paint;
 mod path;
+mod prepare;
 mod progress;
+mod remesh;
 mod rules;
 mod simplify;
 
@@ -69,6 +72,7 @@ enum Command {
     Adapt(adapt::Adapt),
     Fly(fly::Fly),
     Measure(measure::Measure),
+    Remesh(remesh::Remesh),
 }
 
 fn main() -> ExitCode {
@@ -84,6 +88,7 @@ fn main() -> ExitCode {
         Command::Adapt(command) => command,
         Command::Fly(command) => command,
         Command::Measure(command) => command,
+        Command::Remesh(command) => command,
     };
     match command.run() {
         Ok(answer) => output::answer(&answer, cli.json),

@@ -107,11 +107,7 @@ impl Run for Measure {
             "b": files::describe(&self.b, b),
             "diagonal": distance.diagonal,
             "samples": self.samples,
-            "distance": {
-                "forward": one_sided(&distance, &distance.forward),
-                "backward": one_sided(&distance, &distance.backward),
-                "both": sizes(&distance, [distance.hausdorff(), distance.mean(), distance.rms()]),
-            },
+            "distance": distances(&distance),
             "volume": {
                 "a": volumes[0].value,
                 "b": volumes[1].value,
@@ -238,6 +234,15 @@ impl Volume {
 /// Returns `b / a`, if it is finite.
 fn ratio([a, b]: [f64; 2]) -> Option<f64> {
     Some(b / a).filter(|r| r.is_finite())
+}
+
+/// Describes distances both ways, for JSON.
+pub fn distances(distance: &Distance) -> Value {
+    json!({
+        "forward": one_sided(distance, &distance.forward),
+        "backward": one_sided(distance, &distance.backward),
+        "both": sizes(distance, [distance.hausdorff(), distance.mean(), distance.rms()]),
+    })
 }
 
 fn sizes(distance: &Distance, [max, mean, rms]: [f64; 3]) -> Value {

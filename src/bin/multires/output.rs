@@ -3,6 +3,7 @@
 //! Nothing here panics on a closed stream: a reader may stop early without an error.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
@@ -38,6 +39,14 @@ impl Failure {
     /// Makes a failure with a file at fault.
     pub fn input(reason: impl ToString) -> Self {
         Self::Input(reason.to_string())
+    }
+
+    /// Names the file at fault, if it is a file.
+    pub fn about(self, path: &Path) -> Self {
+        match self {
+            Self::Input(reason) => Self::Input(format!("{}: {reason}", path.display())),
+            usage => usage,
+        }
     }
 }
 

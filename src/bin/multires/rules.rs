@@ -14,9 +14,7 @@ use serde_json::{Value, json};
 
 use crate::batches::Batches;
 use crate::output::Failure;
-
-/// Stands for the material ids where attributes are named.
-const MATERIAL: &str = "material";
+use crate::prepare::Preparation;
 
 #[derive(Args, Clone)]
 pub struct Rules {
@@ -42,18 +40,14 @@ pub struct Rules {
     /// its own, else keep [default: auto; keep for build, whose vertices are fixed].
     #[arg(long, value_name = "auto|keep|recompute[=DEGREES]|drop", value_parser = normals)]
     pub normals: Option<Normals>,
-    /// Leave these attributes out, and their seams with them; "material" stands for the material ids.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    pub drop: Vec<String>,
+    #[command(flatten)]
+    pub preparation: Preparation,
     /// Largest differences between vertices at the same place to merge them: 16-bit (a step of 16-bit storage), exact, or
     /// KIND=T,...: normal in degrees, uv in texels, texture (the texels of a side, 65536), color in steps of 1/255, other as
     /// a share of the value, position in steps of 2^-23 of the largest coordinate (between open borders). "inf" is any
     /// difference.
     #[arg(long, value_name = "16-bit|exact|KIND=T,...", default_value = "16-bit", value_parser = Weld::parse)]
     pub weld_tolerance: Weld,
-    /// Snap positions within this distance (object units) of each other together, before anything else.
-    #[arg(long, value_name = "D", default_value_t = 0.0, value_parser = not_negative)]
-    pub weld: f64,
     /// Whether seams, creases, borders between materials and, last, the topology may give: never, where it costs least, or
     /// only before a size asked for is missed.
     #[arg(long, value_name = "W", value_enum, default_value_t = Gives::Auto)]
@@ -98,12 +92,17 @@ pub struct Given {
 }
 
 impl Given {
-    /// Refuses all given rules but `drop` and `weld`, which prepare the mesh before it is simplified.
-    pub fn check_unused(&self, reason: &str) -> Result<(), Failure> {
-        match self.names.iter().find(|name| !["drop", "weld"].contains(&name.as_str())) {
+    /// Refuses all given rules but those in use.
+    pub fn check_unused(&self, used: &[&str], reason: &str) -> Result<(), Failure> {
+        match self.names.iter().find(|name| !used.contains(&name.as_str())) {
             None => Ok(()),
             Some(name) => Err(Failure::Usage(format!("--{name}: {reason}"))),
         }
+    }
+
+    /// Returns the metric, if it was given.
+    pub fn metric(&self) -> Option<&str> {
+        self.names.iter().any(|name| name == "metric").then_some(&self.rules.metric)
     }
 }
 
@@ -232,33 +231,16 @@ impl Rules {
 
     /// Prepares the mesh for simplification: drops attributes, snaps near positions.
     pub fn prepared(&self, mesh: Mesh) -> Result<Mesh, Failure> {
-        let mesh = self.dropped(mesh)?;
-        Ok(if self.weld > 0.0 { mesh.welded(self.weld) } else { mesh })
+        self.preparation.prepared(self.without_normals(mesh))
     }
 
     /// Returns the mesh without dropped attributes.
     pub fn dropped(&self, mesh: Mesh) -> Result<Mesh, Failure> {
-        let mesh = if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh };
-        if self.drop.is_empty() {
-            return Ok(mesh);
-        }
-        let is_dropped = |name: &str| self.drop.iter().any(|d| d == name);
-        let there = |name: &String| name == MATERIAL || mesh.attribute(name).is_some();
-        if let Some(name) = self.drop.iter().find(|name| !there(name)) {
-            return Err(Failure::Input(format!("--drop: the mesh has no attribute named {name:?}")));
-        }
-        let kept = if is_dropped(MATERIAL) { &[][..] } else { mesh.materials() };
-        let mut result = Mesh::new(mesh.positions(), mesh.triangles()).map_err(Failure::input)?;
-        result = result.with_origin(mesh.origin()).map_err(Failure::input)?;
-        result = result.with_materials(kept).map_err(Failure::input)?;
-        result = result.with_locks(mesh.locks()).map_err(Failure::input)?;
-        if !kept.is_empty() {
-            result = result.with_material_names(mesh.material_names());
-        }
-        for attribute in mesh.attributes().iter().filter(|a| !is_dropped(a.name())) {
-            result = result.with_attribute(attribute.clone()).map_err(Failure::input)?;
-        }
-        Ok(result)
+        self.preparation.dropped(self.without_normals(mesh))
+    }
+
+    fn without_normals(&self, mesh: Mesh) -> Mesh {
+        if self.normals == Some(Normals::Drop) { mesh.without_normals() } else { mesh }
     }
 
     /// Makes the simplifier, with no target yet.
@@ -319,7 +301,7 @@ impl Rules {
             ("error_measure", json!(self.measure_name())),
             ("attributes", attributes),
             ("weld_tolerance", json!(self.weld_tolerance.text)),
-            ("weld", json!(self.weld)),
+            ("weld", json!(self.preparation.weld)),
             ("guard", json!(if self.guard == Switch::On { "on" } else { "off" })),
             ("permissive", json!(self.permissive_name())),
             ("join_distance", json!(self.join_distance)),
@@ -424,7 +406,7 @@ pub fn bytes_per_vertex(mesh: &Mesh) -> usize {
     size_of::<[f32; 3]>() + mesh.attributes().iter().map(|a| 4 * a.width()).sum::<usize>()
 }
 
-fn metric_name() -> impl TypedValueParser<Value = String> {
+pub fn metric_name() -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(metric::NAMES)
 }
 
@@ -454,6 +436,7 @@ fn normals(text: &str) -> Result<Normals, String> {
     }
 }
 
-fn degrees(text: &str) -> Result<f64, String> {
+/// Parses an angle.
+pub fn degrees(text: &str) -> Result<f64, String> {
     number(text, 0.0..=180.0, "a number from 0 to 180")
 }
