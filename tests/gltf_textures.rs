@@ -1,12 +1,16 @@
 //! Promise: a glTF file refers to pictures as the format asks for, and is read as without them.
 #![cfg(feature = "io")]
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use multires::io::{self, GltfTextures, WriteError};
 use multires::mesh::{Mesh, shapes};
 use serde_json::{Value, json};
 
 fn document(mesh: &Mesh, textures: &GltfTextures) -> Value {
-    let path = std::env::temp_dir().join(format!("multires-{}-textured.gltf", std::process::id()));
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let number = FILES.fetch_add(1, Ordering::Relaxed);
+    let path = std::env::temp_dir().join(format!("multires-{}-textured-{number}.gltf", std::process::id()));
     io::write_textured(&path, mesh, textures).unwrap();
     let document = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     assert_eq!(io::read(&path).unwrap().triangles().len(), mesh.triangles().len());

@@ -168,6 +168,11 @@ fn corners_are_vertices_of_the_base() {
         assert!(base.positions().contains(&at), "{at:?}");
     }
     assert_eq!(base.triangles().len(), 12);
+    // Where a border turns sharply.
+    let base = map(&shapes::plane(16), 2).base().clone();
+    for at in [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0]] {
+        assert!(base.positions().contains(&at), "{at:?}");
+    }
 }
 
 #[test]
@@ -222,31 +227,28 @@ fn bends_do_not_count_unless_they_outline_a_part() {
 fn creases_of_fandisk_lie_on_edges_of_the_remesh() {
     let Some(mesh) = real::read("remesh_features", "real/fandisk.obj") else { return };
     let features = Features::new().creasing(Creasing::Angle(40.0));
-    let with = Remesher::new().features(features).run(&mesh).unwrap();
-    let automatic = map(&mesh, 500);
-    for (name, map, degrees) in [("40 degrees", with, 40.01), ("automatic", automatic, 42.0)] {
-        let points = feature_points(&mesh, degrees);
-        assert!(points.len() > 1_000);
-        assert_on_sides(name, &map, &points);
-        // Distance from the edges of level 5: pieces of sides of base faces.
-        let pieces = 32.0;
-        let mut worst = 0.0f64;
-        for point in &points {
-            let place = map.to_base(point).unwrap();
-            let side = (0..3).find(|&k| place.barycentric[(k + 2) % 3] < ON_SIDE).unwrap();
-            let t = place.barycentric[(side + 1) % 3];
-            let low = (t * pieces).floor().min(pieces - 1.0);
-            let [a, b] = [low, low + 1.0].map(|end| {
-                let place = DomainPoint::new(place.base_face, along(side, false, end / pieces));
-                at(&mesh, &map.to_mesh(&place).unwrap())
-            });
-            let (p, d) = (at(&mesh, point), [0, 1, 2].map(|i| b[i] - a[i]));
-            let square: f64 = d.iter().map(|x| x * x).sum();
-            let dot: f64 = (0..3).map(|i| (p[i] - a[i]) * d[i]).sum();
-            let share = (dot / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            worst = worst.max(distance(p, std::array::from_fn(|i| a[i] + share * d[i])));
-        }
-        println!("{name}: {:.4} % of the diagonal", 100.0 * worst / mesh.diagonal());
-        assert!(worst < 0.0002 * mesh.diagonal(), "{name}: {}", worst / mesh.diagonal());
+    let map = Remesher::new().features(features).run(&mesh).unwrap();
+    let points = feature_points(&mesh, 40.01);
+    assert!(points.len() > 1_000);
+    assert_on_sides("fandisk", &map, &points);
+    // Distance from the edges of level 5: pieces of sides of base faces.
+    let pieces = 32.0;
+    let mut worst = 0.0f64;
+    for point in &points {
+        let place = map.to_base(point).unwrap();
+        let side = (0..3).find(|&k| place.barycentric[(k + 2) % 3] < ON_SIDE).unwrap();
+        let t = place.barycentric[(side + 1) % 3];
+        let low = (t * pieces).floor().min(pieces - 1.0);
+        let [a, b] = [low, low + 1.0].map(|end| {
+            let place = DomainPoint::new(place.base_face, along(side, false, end / pieces));
+            at(&mesh, &map.to_mesh(&place).unwrap())
+        });
+        let (p, d) = (at(&mesh, point), [0, 1, 2].map(|i| b[i] - a[i]));
+        let square: f64 = d.iter().map(|x| x * x).sum();
+        let dot: f64 = (0..3).map(|i| (p[i] - a[i]) * d[i]).sum();
+        let share = (dot / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        worst = worst.max(distance(p, std::array::from_fn(|i| a[i] + share * d[i])));
     }
+    println!("{:.4} % of the diagonal", 100.0 * worst / mesh.diagonal());
+    assert!(worst < 0.0002 * mesh.diagonal(), "{}", worst / mesh.diagonal());
 }

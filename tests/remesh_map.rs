@@ -6,7 +6,7 @@ mod support;
 use std::ops::ControlFlow;
 
 use multires::mesh::{Mesh, MeshPoint, shapes};
-use multires::remesh::{Depth, Parameterisation, RemeshError, Remesher};
+use multires::remesh::{Depth, Parameterisation, RemeshError, Remesher, Smoothing};
 use multires::wavelet::{DomainPoint, WaveletOptions};
 use support::{along, at, awkward, distance, is_face, map, models, on_base, remesh, sides, weights};
 
@@ -147,11 +147,12 @@ fn nothing_is_folded_or_lost_in_figures() {
             assert!(spread.p99 >= spread.mean.min(1.0) && spread.p99.is_finite(), "{name}: {found:?}");
         }
         // A triangle of a level may cut a concave corner of a flat sheet.
-        assert!(found.folded <= 1, "{name}: {found:?}");
+        assert!(found.folded <= found.triangles / 1_000, "{name}: {found:?}");
     }
     // A mesh that is its own base is not distorted.
     let sphere = shapes::icosphere(1);
-    let own = map(&sphere, 80).distortion(&sphere, 2);
+    let own = Remesher::new().base_faces(80).smoothing(Smoothing::Off).run(&sphere).unwrap();
+    let own = own.distortion(&sphere, 2);
     assert!(own.angle.p99 < 1.0 + 1e-6 && own.area.p99 < 1.0 + 1e-6 && own.folded == 0, "{own:?}");
 }
 

@@ -7,8 +7,8 @@ mod support;
 
 use multires::mesh::{Mesh, Report, Topology, shapes};
 use multires::quality::{DistanceOptions, distance};
-use multires::remesh::{Depth, Remesher};
-use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
+use multires::remesh::{Depth, Remesher, Smoothing};
+use multires::wavelet::{DomainPoint, Normals, WaveletMesh, WaveletOptions};
 use proptest::prelude::*;
 use support::{awkward, is_face, map, models, remesh, sides};
 
@@ -105,12 +105,28 @@ fn remeshes_of_shapes_have_their_topology() {
 #[test]
 fn a_base_of_as_many_triangles_is_the_mesh() {
     let mesh = shapes::torus(1.0, 0.4, 12, 8);
-    let map = map(&mesh, usize::MAX);
-    assert_eq!(map.base().triangles().len(), mesh.triangles().len());
-    assert_eq!(
-        support::at(&mesh, &map.to_mesh(&multires::wavelet::DomainPoint::new(5, [0.2, 0.3, 0.5])).unwrap()),
-        support::on_base(map.base(), &multires::wavelet::DomainPoint::new(5, [0.2, 0.3, 0.5]))
-    );
+    let map = Remesher::new().base_faces(usize::MAX).smoothing(Smoothing::Off).run(&mesh).unwrap();
+    assert_eq!(map.base().triangles(), mesh.triangles());
+    let place = DomainPoint::new(5, [0.2, 0.3, 0.5]);
+    assert_eq!(support::at(&mesh, &map.to_mesh(&place).unwrap()), support::on_base(&mesh, &place));
+}
+
+#[test]
+fn faces_are_split_until_the_error_is_met() {
+    for (name, mesh, faces) in models() {
+        let map = map(&mesh, faces);
+        let before = shape(&mesh);
+        let mut triangles = Vec::new();
+        for share in [0.02, 0.004] {
+            let error = (share * mesh.diagonal()) as f32;
+            let baked = map.bake(&mesh, Depth::Error(error), &WaveletOptions::default()).unwrap();
+            baked.structure().validate().unwrap_or_else(|error| panic!("{name}: {error}"));
+            let finest = baked.structure().finest(Normals::Kept);
+            assert_eq!(shape(&finest), before, "{name}: {share}");
+            triangles.push(finest.triangles().len());
+        }
+        assert!(triangles[0] <= triangles[1], "{name}: {triangles:?}");
+    }
 }
 
 #[test]
