@@ -10,10 +10,12 @@ use std::sync::{Arc, Mutex};
 
 use meshes::*;
 use multires::mesh::{Attribute, Mesh, names};
-use multires::simplify::metric::{Attributes, Dependence, Quadric, Substitutions, WithAttributes};
+use multires::simplify::metric::{
+    AttributeQuadric, Attributes, Dependence, MetricEvent, MetricProperties, Optimum, Quadric, Substitutions,
+    WithAttributes,
+};
 use multires::simplify::{
-    AttributeWeights, Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier,
-    WorkingSurface,
+    AttributeWeights, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, WorkingSurface,
 };
 
 const PLACEMENTS: [Placement; 4] =
@@ -34,18 +36,11 @@ fn painted(n: u32, f: impl Fn(f32, f32) -> f32) -> Mesh {
 struct Nothing;
 
 impl ErrorMetric for Nothing {
-    fn name(&self) -> &'static str {
-        "nothing"
-    }
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
     fn cost(&self, _: &WorkingSurface, _: Pair, _: [f32; 3]) -> f32 {
         0.0
     }
-    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
-        None
-    }
-    fn dependence(&self) -> Dependence {
-        Dependence::Both
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("nothing").with_dependence(Dependence::Both)
     }
 }
 
@@ -65,7 +60,6 @@ struct Checked {
     values: Vec<Vec<f64>>,
     unit: f64,
     planes: Vec<Vec<Vec<Plane>>>,
-    pair: Pair,
     compared: Arc<Mutex<usize>>,
 }
 
@@ -83,13 +77,8 @@ impl Checked {
     }
 }
 
-impl ErrorMetric for Checked {
-    fn name(&self) -> &'static str {
-        "checked"
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.inner.begin(surface, batch);
+impl Checked {
+    fn sum_up(&mut self, surface: &WorkingSurface) {
         let stride = self.values[0].len();
         let scale = self.unit * surface.frame().scale();
         self.values.iter_mut().flatten().for_each(|x| *x *= scale);
@@ -110,30 +99,13 @@ impl ErrorMetric for Checked {
         }
     }
 
-    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
-        self.inner.cost(surface, pair, position)
-    }
-
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        self.inner.cost_at_kept(surface, pair)
-    }
-
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.inner.optimum(surface, pair)
-    }
-
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        self.pair = pair;
-        self.inner.collapsing(surface, pair, position);
-    }
-
-    fn substituting(&mut self, surface: &WorkingSurface, s: Substitutions<'_>) {
+    fn compare(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3], s: Substitutions<'_>) {
         for vertex in (s.first_new..).take(s.new_vertices.len()) {
             // The value of least deviation: the mean of what every triangle's plane says there, by area.
             let sources = || s.pairs.iter().filter(|p| p[1] == vertex).map(|p| p[0]);
             let best = (0..self.values[0].len()).map(|scalar| {
                 let planes = || sources().flat_map(|v| &self.planes[v as usize][scalar]);
-                let there = |p: &Plane| dot(p.gradient, sub(s.position, p.origin)) + p.value;
+                let there = |p: &Plane| dot(p.gradient, sub(position, p.origin)) + p.value;
                 let area: f64 = planes().map(|p| p.double_area).sum();
                 planes().map(|p| p.double_area * there(p)).sum::<f64>() / area
             });
@@ -143,8 +115,8 @@ impl ErrorMetric for Checked {
         let targets: BTreeSet<u32> = s.pairs.iter().map(|p| p[1]).collect();
         let sources = s.pairs.iter().copied().chain(targets.iter().map(|&t| [t, t]));
         let expected: f64 =
-            sources.map(|[from, to]| self.expected(from, s.position, &self.values[to as usize])).sum();
-        let found = f64::from(self.inner.cost(surface, self.pair, s.position));
+            sources.map(|[from, to]| self.expected(from, position, &self.values[to as usize])).sum();
+        let found = f64::from(self.inner.cost(surface, pair, position));
         assert!(
             (found - expected).abs() <= 1e-3 * expected + 1e-9,
             "{found} where {expected} is right, after {} steps",
@@ -155,11 +127,40 @@ impl ErrorMetric for Checked {
             let moved = std::mem::take(&mut self.planes[from as usize]);
             self.planes[to as usize].iter_mut().zip(moved).for_each(|(list, more)| list.extend(more));
         }
-        self.inner.substituting(surface, s);
+    }
+}
+
+impl ErrorMetric for Checked {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
+        self.inner.cost(surface, pair, position)
     }
 
-    fn dependence(&self) -> Dependence {
-        Dependence::Both
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.inner.costs_at_kept(surface, lost, kept, costs);
+    }
+
+    fn optimum(
+        &self,
+        surface: &WorkingSurface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<Optimum> {
+        self.inner.optimum(surface, pair, attributes)
+    }
+
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        match event {
+            MetricEvent::Begin(_) => self.sum_up(surface),
+            MetricEvent::Collapsing { pair, position, substitutions } => {
+                self.compare(surface, pair, position, substitutions);
+            }
+            _ => {}
+        }
+        self.inner.update(surface, event);
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("checked").with_dependence(Dependence::Both)
     }
 }
 
@@ -180,7 +181,6 @@ fn costs_are_the_sum_over_all_merged_triangles() {
                     .collect(),
                 unit: mesh.diagonal(),
                 planes: Vec::new(),
-                pair: Pair { lost: 0, kept: 0 },
                 compared: compared.clone(),
             };
             let sequence = Simplifier::new().metric(metric).placement(placement).run(&mesh).unwrap();

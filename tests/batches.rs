@@ -130,6 +130,41 @@ fn a_matching_nearly_halves_the_mesh() {
     assert!(matching.iter().all(|&share| (0.45..0.60).contains(&share)), "{matching:?}");
 }
 
+/// Triangles before and after each batch of a matching.
+fn halvings(mesh: &Mesh) -> Vec<[usize; 2]> {
+    let sequence = batched(mesh, Independence::Matching, Placement::Endpoint);
+    let ends = sequence.batches().iter().map(|&end| sequence.triangles_after(end as usize));
+    let ends: Vec<usize> = std::iter::once(mesh.triangles().len()).chain(ends).collect();
+    ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// A matching could go on to 0.54.
+#[test]
+fn a_batch_is_full_at_a_share_of_its_triangles() {
+    for mesh in [shapes::rock(20_000, 3), shapes::torus(1.0, 0.4, 120, 60)] {
+        let mut batches = 0;
+        for [before, after] in halvings(&mesh) {
+            let full = 0.59 * before as f64;
+            // A collapse takes a few triangles at most.
+            let is_full = (full - 8.0..=full).contains(&(after as f64));
+            assert!(is_full || before < 3_000, "{after} of {before}");
+            batches += usize::from(is_full);
+        }
+        assert!(batches >= 3);
+    }
+}
+
+/// Flat faces cost nothing beside creases and bores. Once a batch has thinned out the flat faces, costs leap by more than 2^10,
+/// and the batch ends above its share.
+#[test]
+fn a_leap_of_cost_ends_a_batch() {
+    let [first, second, ..] = halvings(&shapes::cad_part(3))[..] else { panic!("at least two batches") };
+    for ([before, after], shares) in [(first, 0.63..0.67), (second, 0.70..0.77)] {
+        let share = after as f64 / before as f64;
+        assert!(shares.contains(&share), "{after} of {before}");
+    }
+}
+
 #[test]
 fn metric_and_placement_change_between_batches() {
     let mesh = shapes::rock(4_000, 5);

@@ -71,6 +71,28 @@ fn a_g_mesh_is_baked_and_its_levels_are_listed() {
     assert!(number(&near["output"]["triangles"]) > number(&far["output"]["triangles"]));
 }
 
+/// A level with a fraction is a state of a g-mesh. Only the file says what it holds, so others refuse it once it is read.
+#[test]
+fn a_fraction_of_a_level_is_refused_where_nothing_morphs() {
+    let folder = Folder::new("gmesh-fraction");
+    let [input, baked, out] = ["in.ply", "all.mres", "out.ply"].map(|n| folder.file(n));
+    io::write(&input, &shapes::terrain(17, 1)).unwrap();
+    for (structure, reason) in [
+        ("tom", "--level of this structure is from 0 to 1"),
+        ("hierarchy", "--level of this structure is from 0 to 1"),
+        ("wavelet", "--level of a wavelet mesh is a whole number"),
+    ] {
+        json("build", &[&input, &baked], &format!("--structure {structure}")).answer();
+        let said = json("extract", &[&baked, &out], "--level 1.5");
+        assert_ne!(said.code, Some(0), "{structure}");
+        assert!(said.out.contains(reason), "{structure}: {}", said.out);
+        assert_eq!(folder.names(), ["all.mres", "in.ply"]);
+        // The fraction is what is refused.
+        json("extract", &[&baked, &out], "--level 1").answer();
+        std::fs::remove_file(&out).unwrap();
+    }
+}
+
 #[test]
 fn metric_and_placement_change_between_batches() {
     let folder = Folder::new("gmesh-schedule");

@@ -209,7 +209,7 @@ fn features_hold_edges_of_the_base() {
     assert!(automatic < 1e-4 && angle < 1e-4 && none > 0.1, "{automatic} {angle} {none}");
     // More features than faces asked for.
     let (answer, _) = remeshed(&folder, &cube(), "--base 4 --levels 1 --features 60");
-    assert_eq!(base_faces(&answer), 12);
+    assert_eq!((base_faces(&answer), number(&answer["base"]["feature_sides"])), (12, 24));
     assert!(answer["warnings"][0].as_str().unwrap().contains("12 faces, not 4"), "{answer}");
 }
 
@@ -225,6 +225,23 @@ fn a_metric_makes_a_base_of_its_own() {
     io::write(&input, &mesh).unwrap();
     let how = "--structure wavelet --remesh --levels 1 --base 80 --metric edge-length";
     assert_eq!(json("build", &[&input, &built], how).answer()["remesh"]["metric"], "edge-length");
+}
+
+#[test]
+fn smoothing_keeps_angles_better() {
+    let folder = Folder::new("remesh-smoothing");
+    let mesh = shapes::rock(4_000, 6);
+    let [harmonic, off] = ["harmonic", "off"].map(|how| {
+        let (answer, _) = remeshed(&folder, &mesh, &format!("--levels 4 --base 60 --smoothing {how}"));
+        assert_eq!(answer["smoothing"], how);
+        length(&answer["distortion"]["angle"]["mean"])
+    });
+    assert!(harmonic < off, "{harmonic} {off}");
+    let (default, _) = remeshed(&folder, &mesh, "--levels 4 --base 60");
+    assert_eq!(
+        (&default["smoothing"], length(&default["distortion"]["angle"]["mean"])),
+        (&"harmonic".into(), harmonic)
+    );
 }
 
 #[test]

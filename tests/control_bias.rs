@@ -72,6 +72,18 @@ fn a_change_that_passes_the_tolerance_is_left_out_toward_fine_and_taken_toward_c
     assert_eq!((report.triangles, report.change, report.stop), (100, 0.0, BiasStop::Coarse));
 }
 
+/// Toward fine, the changes before the one that passes the tolerance are taken.
+#[test]
+fn changes_before_one_that_passes_the_tolerance_are_taken() {
+    let objects = [Single { at: 0.6, fine: 200, coarse: 100 }, Single { at: 0.4, fine: 1_100, coarse: 100 }];
+    let options = BiasOptions::default().with_triangles(500).with_tolerance(50).with_change(None);
+    let mut bias = Bias::new(options).unwrap();
+    bias.set_bias(1.0);
+    let report = bias.update(&objects, false);
+    assert_eq!((report.triangles, report.stop), (300, BiasStop::Coarse));
+    assert_eq!(bias.bias(), 0.6_f64.next_down());
+}
+
 #[test]
 fn the_limit_of_a_frame_is_kept_and_lifted_in_motion() {
     let objects = figure();
@@ -187,6 +199,23 @@ fn a_still_scene_comes_to_rest() {
     }
 }
 
+proptest! {
+    /// At the bias that an object names, it has changed its level, in spite of rounding.
+    #[test]
+    fn an_object_has_changed_at_the_bias_it_names(
+        parameter in -3.0_f32..3.0, importance in 1e-3_f32..1e3, bias in -2.0_f64..2.0,
+    ) {
+        let stairs = stairs();
+        let object = StairObject::new(&stairs, parameter).with_importance(importance);
+        for toward in [Toward::Coarse, Toward::Fine] {
+            let Some(crossing) = object.next(bias, toward) else { continue };
+            let [before, after] = [bias, crossing.bias].map(|bias| object.triangles(bias));
+            prop_assert_eq!(before.abs_diff(after), crossing.triangles);
+            prop_assert!(crossing.triangles > 0);
+        }
+    }
+}
+
 fn any_number() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -1.0_f32..2.0,
@@ -295,6 +324,8 @@ fn bad_stairs_and_options_are_refused() {
     ] {
         assert_eq!(Stairs::new(&levels).unwrap_err().to_string(), message);
     }
+    let two = Stairs::new(&[(0.0, 9), (0.5, 7)]).unwrap();
+    assert_eq!([f64::NEG_INFINITY, 0.4, 0.5, f64::NAN].map(|t| two.level(t)), [0, 0, 1, 1]);
     let single = Stairs::new(&[(0.0, 7)]).unwrap();
     let mut bias = Bias::new(BiasOptions::default().with_triangles(0).with_tolerance(0)).unwrap();
     assert_eq!(bias.update(&[StairObject::new(&single, 0.5)], false).stop, BiasStop::Exhausted);

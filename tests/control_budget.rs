@@ -165,6 +165,64 @@ fn hysteresis_ends_flicker() {
     assert!(with * 20 < without, "{with} changes with, {without} without");
 }
 
+/// A lower budget holds at once, and the bound is that of a split without a past.
+#[test]
+fn a_budget_that_falls_is_kept_and_bounded_as_from_nothing() {
+    let ladder = Ladder::new(&[(10_000, 0.001), (2_500, 0.004), (600, 0.02), (200, 0.1)]).unwrap();
+    let mut random = Random(5);
+    let objects: Vec<_> =
+        (0..300).map(|_| LadderObject::new(&ladder, 1.0 + 9.0 * random.unit() as f32)).collect();
+    let options = BudgetOptions::default().with_triangles(900_000);
+    let mut budget = Budget::new(options).unwrap();
+    budget.split(&objects);
+    for triangles in [700_000, 500_000, 480_000, 100_000] {
+        budget.set_triangles(triangles);
+        let split = budget.split(&objects);
+        assert!(split.triangles <= triangles, "{} of {triangles}", split.triangles);
+        let fresh = Budget::new(options.with_triangles(triangles)).unwrap().split(&objects);
+        assert!((split.bound / fresh.bound - 1.0).abs() < 1e-9, "{} for {}", split.bound, fresh.bound);
+    }
+}
+
+/// Steps of any price, from one to the next.
+#[test]
+fn a_scene_without_a_past_is_split_near_the_bound() {
+    let mut random = Random(9);
+    let ladders: Vec<_> = (0..40)
+        .map(|_| {
+            let scale = 10.0_f64.powf(-4.0 * random.unit());
+            let levels = (0..6).map(|i| (100 << i, (scale * 0.45_f64.powi(i)) as f32));
+            Ladder::new(&levels.collect::<Vec<_>>()).unwrap()
+        })
+        .collect();
+    let objects: Vec<_> = (0..2_000)
+        .map(|i| LadderObject::new(&ladders[i % 40], 10.0_f64.powf(6.0 * random.unit() - 3.0) as f32))
+        .collect();
+    let most = 2_000 * 3_200;
+    for share in [0.04, 0.1, 0.3, 0.6, 0.9, 0.999, 1.0] {
+        let triangles = (most as f64 * share) as usize;
+        let mut budget = Budget::new(BudgetOptions::default().with_triangles(triangles)).unwrap();
+        let split = budget.split(&objects);
+        assert!(split.triangles <= triangles && split.triangles + 100 >= triangles, "{split:?}");
+        assert!(split.error <= split.bound * 1.001 + 1e-12, "{split:?}");
+    }
+}
+
+#[test]
+fn an_exponent_is_learned_within_limits() {
+    let learned = |factor: f32, triangles: usize| {
+        let mut terrain = Estimate::new(0);
+        terrain.observe(1.0, 64_000);
+        terrain.observe_again(factor, triangles);
+        terrain.exponent()
+    };
+    // A quarter of the way from 1 to 2, to 2.5 and to 0.25; nothing from factors that hardly differ.
+    assert!((learned(2.0, 16_000) - 1.25).abs() < 1e-9);
+    assert!((learned(2.0, 1_000) - 1.375).abs() < 1e-9);
+    assert!((learned(2.0, 63_000) - 0.8125).abs() < 1e-9);
+    assert_eq!(learned(1.01, 32_000), 1.0);
+}
+
 #[test]
 fn objects_out_of_sight_give_up_their_triangles_first() {
     let levels: &[(usize, f32)] = &[(1_000, 0.0), (100, 1.0)];
@@ -210,6 +268,8 @@ fn bad_ladders_and_options_are_refused() {
     }
     #[cfg(target_pointer_width = "64")]
     assert!(matches!(Ladder::new(&[(1 << 32, 0.0)]), Err(ControlError::TooLarge { level: 0, .. })));
+    let dear = Ladder::new(&[(100, 1.0), (200, 2.0), (300, 1.0)]).unwrap();
+    assert_eq!(dear.finest(), (0, 100, 1.0), "more triangles for no less error");
     let mut ladder = Ladder::new(&[(7, 0.5)]).unwrap();
     assert!(ladder.set(&[]).is_err());
     assert_eq!((ladder.coarsest(), ladder.finest()), ((0, 7, 0.5), (0, 7, 0.5)));

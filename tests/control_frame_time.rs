@@ -152,6 +152,44 @@ fn the_target_rises_slowly_and_gives_a_factor() {
 }
 
 #[test]
+fn the_time_of_a_triangle_is_filtered_as_said() {
+    let sample = |seconds: f64| Sample { seconds, triangles: 100_000 };
+    // A fixed time is none of the triangles' time.
+    let options = FrameTimeOptions::default().with_window(1).with_fixed(0.004);
+    let mut time = FrameTime::new(options, 100_000).unwrap();
+    time.update(sample(0.004 + 4e-3)).unwrap();
+    assert!((time.seconds_per_triangle() - 4e-8).abs() < 1e-15);
+    // A quarter of the way down, in logarithms; all of the way up.
+    time.update(sample(0.004 + 1e-3)).unwrap();
+    assert!((time.seconds_per_triangle() - 4e-8 * 0.25_f64.powf(0.25)).abs() < 1e-15);
+    time.update(sample(0.004 + 9e-3)).unwrap();
+    assert!((time.seconds_per_triangle() - 9e-8).abs() < 1e-15);
+}
+
+#[test]
+fn a_load_inside_the_band_leaves_the_target() {
+    let mut time = settled(&Card { fixed: 0.0, cost: 1e-8 });
+    let target = time.triangles();
+    let loads = Card { fixed: 0.0, cost: 1.1e-8 }.draw(&mut time, 20);
+    assert!((0.72..0.99).contains(&loads[0]), "{loads:?}");
+    assert_eq!(time.triangles(), target);
+}
+
+#[test]
+fn pauses_apart_are_no_lasting_change() {
+    let card = Card { fixed: 0.0, cost: 1e-8 };
+    let mut time = settled(&card);
+    let target = time.triangles();
+    for _ in 0..5 {
+        for _ in 0..4 {
+            time.update(Sample { seconds: 2.0, triangles: target }).unwrap();
+        }
+        card.draw(&mut time, 1);
+    }
+    assert_eq!(time.triangles(), target);
+}
+
+#[test]
 fn bad_times_and_options_are_refused() {
     let options = FrameTimeOptions::default();
     let mut time = FrameTime::new(options, 0).unwrap();

@@ -6,7 +6,7 @@ use multires::adapt::Geomorph;
 use multires::control::{ControlError, SceneBudget, SceneObject, SceneOptions, SceneReport};
 use multires::lod::{Baked, Lod, LodOptions, Structure};
 use multires::mesh::{Mesh, shapes};
-use multires::view::ObjectView;
+use multires::view::{Focus, ObjectView};
 use multires::{TotallyOrderedMesh, VertexHierarchy, WaveletMesh};
 use support::lod::{places, view};
 
@@ -135,6 +135,64 @@ fn the_coarsest_is_drawn_and_told_where_nothing_fits() {
     assert_eq!(budget.adapt(&mut [], FRAME).triangles, 0);
     let options = SceneOptions::default().with_rounds(0);
     assert!(matches!(SceneBudget::new(options), Err(ControlError::OutOfRange { .. })));
+}
+
+/// An approach brings up to 10 % more triangles each frame. What the last frame grew by is provided for, so most frames adapt once.
+#[test]
+fn growth_is_provided_for() {
+    let moving = LodOptions::default().with_geomorph(Geomorph::default().with_duration(0.3));
+    let slow = LodOptions::default().with_operations(150);
+    for (options, most) in [(LodOptions::default(), 50), (moving, 44), (slow, 38)] {
+        let mut scene = scene(&options);
+        let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(4_000)).unwrap();
+        let (mut rounds, mut far) = (0, 30.0);
+        for _ in 0..80 {
+            far = f32::max(far * 0.97, 0.6);
+            let all: Vec<_> =
+                scene.iter().map(|(mesh, _)| [view(mesh, [0.0, 0.15, far], 0.0, 0.05).of_world()]).collect();
+            let objects = scene.iter_mut().zip(&all);
+            let mut objects: Vec<_> =
+                objects.map(|((_, lod), views)| SceneObject::new(lod.as_mut(), views)).collect();
+            let report = budget.adapt(&mut objects, FRAME);
+            assert!(report.triangles <= 4_000);
+            rounds += report.rounds;
+        }
+        assert!(rounds <= most, "{rounds} rounds in 80 frames, {options:?}");
+    }
+}
+
+/// After a rise of the budget, instances that take several frames are waited for: the factor is judged by what it asks for, and does
+/// not fall while much is pending.
+#[test]
+fn a_factor_does_not_wind_down_while_instances_lag() {
+    let slow = LodOptions::default().with_operations(150);
+    for limit in [3_000, 5_000] {
+        let mut scene = scene(&slow);
+        let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(1_000)).unwrap();
+        for _ in 0..40 {
+            frame(&mut budget, &mut scene, 7, [1.0; 3]);
+        }
+        budget.set_triangles(limit);
+        let reports: Vec<_> = (0..60).map(|_| frame(&mut budget, &mut scene, 7, [1.0; 3])).collect();
+        let rest = reports[59];
+        let least = reports.iter().map(|report| report.factor).fold(f32::INFINITY, f32::min);
+        assert!(least > 0.35 * rest.factor, "{least} before {rest:?}");
+        assert!(rest.triangles > limit * 9 / 10, "{rest:?} of {limit}");
+    }
+}
+
+/// A focus heeds no factor, so the rounds are in vain.
+#[test]
+fn the_coarsest_is_drawn_where_no_factor_is_enough() {
+    let mut scene = scene(&LodOptions::default());
+    let focus = Focus { centre: [0.0; 3], radius: 100.0 };
+    let views = [view(&scene[1].0, [0.0, 0.15, 2.0], 0.0, 0.05).with_focus(Some(focus)).of_world()];
+    let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(4_000)).unwrap();
+    for _ in 0..3 {
+        let report = budget.adapt(&mut [SceneObject::new(scene[1].1.as_mut(), &views)], FRAME);
+        assert_eq!((report.rounds, report.coarsest, report.over_budget), (4, 1, false));
+        assert!(report.triangles <= 4_000, "{report:?}");
+    }
 }
 
 #[test]

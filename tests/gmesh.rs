@@ -232,9 +232,9 @@ fn a_model_takes_few_levels_and_little_memory() {
     let ratio = model.structure().memory(vertex) as f64 / plain as f64;
     assert!(ratio <= 2.6, "{ratio}");
     // With 16-bit indices in both.
-    let short = |bytes: usize, triangles: usize| bytes - 6 * triangles;
+    let short = |bytes: usize, triangles: usize| (bytes - 6 * triangles) as f64;
     let all: usize = levels.iter().map(|level| level.triangles).sum();
-    let ratio = short(model.structure().memory(vertex), all) as f64 / plain as f64;
+    let ratio = short(model.structure().memory(vertex), all) / short(plain, mesh.triangles().len());
     assert!(ratio <= 2.2, "{ratio}");
 }
 
@@ -293,6 +293,79 @@ fn vanishing_parts_shrink_in_place() {
     }
 }
 
+/// All of a vanishing part goes to its vertex nearest to what it is merged into, whichever of its vertices remains longest.
+#[test]
+fn a_vanishing_part_shrinks_towards_its_heir() {
+    let rock = shapes::rock(2_000, 3);
+    let size = rock.diagonal() as f32;
+    for nearest in 0..4 {
+        // A small tetrahedron far to the right, one corner of which is nearer to the rock.
+        let corners: [[f32; 3]; 4] = [[0.0; 3], [0.002, 0.0, 0.0], [0.02, 0.01, 0.0], [0.02, 0.0, 0.01]];
+        let mut corners = corners.map(|[x, y, z]| [size * (3.0 + x), size * y, size * z]);
+        let place_of_nearest = corners[0];
+        corners.rotate_right(nearest);
+        let first = rock.positions().len() as u32;
+        let mut positions = rock.positions().to_vec();
+        positions.extend(corners);
+        let mut all = rock.triangles().to_vec();
+        all.extend([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]].map(|t: [u32; 3]| t.map(|v| v + first)));
+        let model = bake(&Mesh::new(positions, all).unwrap(), 0, 3, 0.65);
+        let gmesh = model.structure();
+        let place = |v: usize| model.vertices().positions()[v];
+        let part: Vec<usize> = (0..gmesh.vertex_count()).filter(|&v| place(v)[0] > 2.0 * size).collect();
+        assert_eq!(part.len(), 4);
+        let coarsest = gmesh.levels().last().unwrap().vertices;
+        assert!(part.iter().all(|&v| v >= coarsest), "the tetrahedron vanishes");
+        for &v in &part {
+            assert_eq!(place(gmesh.targets()[v] as usize), place_of_nearest, "corner {nearest}");
+        }
+    }
+}
+
+/// Levels of equal error are passed on one way: the state follows the error without a jump.
+#[test]
+fn levels_of_equal_error_are_passed_on_one_way() {
+    let mut found = 0;
+    for seed in 0..12 {
+        let mesh = shapes::rock(400, seed);
+        let model = bake(&mesh, 0, 0, 0.9);
+        let levels = model.structure().levels();
+        let equal =
+            |pair: &[multires::gmesh::GmeshLevel]| pair[0].error > 0.0 && pair[0].error == pair[1].error;
+        // The error behind two equal ones lies higher, so there is a way.
+        let Some(at) = levels.windows(2).position(equal) else { continue };
+        let mut lod =
+            model.instance(model.arrange(mesh.positions()).unwrap(), &LodOptions::default()).unwrap();
+        let view = View::perspective(look_at([0.0, 0.0, 9.0], [0.0; 3], [0.0, 1.0, 0.0]), 1.0, [640, 360]);
+        let views = [view.unwrap().with_tolerance_px(1.0).of_world()];
+        let position = |m: Morph| m.level as f32 + m.share;
+        // Factors at which the state is about there, in steps of a hundredth of the way.
+        let mut last: Option<f32> = None;
+        let error = f64::from(levels[at].error);
+        let next = levels.iter().map(|l| f64::from(l.error)).find(|&e| e > error).unwrap_or(2.0 * error);
+        lod.adapt(&views, 0.0);
+        let [low, high] = model.bounds().unwrap();
+        let centre: [f32; 3] = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+        let unit = views[0].error_at(distance([0.0, 0.0, 9.0], centre) - 0.5 * distance(low, high));
+        for step in 0..=120 {
+            let allowed = error + (next - error) * (f64::from(step) * 0.01 - 0.1);
+            lod.set_tolerance_factor((allowed / unit) as f32);
+            lod.adapt(&views, 0.0);
+            let now = position(lod.state());
+            let ways = levels.iter().filter(|level| level.error == levels[at].error).count() as f32;
+            if let Some(last) = last {
+                assert!(
+                    now >= last - 1e-3 && now - last <= 0.1 * (ways + 1.0),
+                    "{last} to {now}, seed {seed}"
+                );
+            }
+            last = Some(now);
+        }
+        found += 1;
+    }
+    assert!(found > 0);
+}
+
 #[test]
 fn partitions_come_from_levels() {
     // Volumes of one's own, in an otherwise legal mesh.
@@ -318,12 +391,23 @@ fn partitions_come_from_levels() {
     let flat = bake(&shapes::plane(20), 0, 3, 0.65);
     let partition = Partition::by_error(flat.structure());
     assert!(partition.starts().windows(2).all(|pair| pair[0] < pair[1]));
+    // A level without an error of its own has 1/64 of an even range.
+    let mut parts = GmeshParts::from((**closed.structure()).clone());
+    parts.level_errors =
+        (0..count).map(|level| if level < 3 { level as f32 } else { level as f32 - 1.0 }).collect();
+    let starts = Partition::by_error(&Gmesh::try_from(parts).unwrap()).starts().to_vec();
+    let even = 1.0 / (count - 1) as f32;
+    assert!(((starts[3] - starts[2]) / even - 1.0 / 64.0).abs() < 1e-3, "{starts:?}");
+    assert_eq!(Partition::by_lengths(&[1.0, 3.0]).unwrap().starts(), [0.0, 0.25, 1.0]);
     assert!(Partition::by_lengths(&[1.0, 0.0]).is_err());
     assert!(Partition::by_lengths(&[1.0, f32::NAN]).is_err());
     assert!(Partition::by_lengths(&[1e-30, 1e30]).is_err());
     assert_eq!(Partition::even(0).at(0.3), Morph::default());
     assert_eq!(Partition::even(1).at(7.0), Morph::default());
     assert_eq!(partition.at(f32::NAN), Morph::default());
+    // Shares beyond the end are at the end.
+    let beyond = |share| closed.structure().clamped(Morph { level: 0, share });
+    assert_eq!([7.0, 1.0, -1.0, f32::NAN].map(|share| beyond(share).share), [1.0, 1.0, 0.0, 0.0]);
     let range = DistanceRange { near: 1.0, far: 3.0 };
     assert_eq!([range.t(0.0), range.t(2.0), range.t(5.0)], [-0.5, 0.5, 2.0]);
     let none = DistanceRange { near: 1.0, far: 1.0 };
@@ -356,6 +440,21 @@ fn moved_vertices_are_those_of_the_state() {
         assert_eq!(change.triangles, lod.gmesh().levels()[state.level].triangles);
     }
     assert!(shares > 20);
+    // An eye that jumps turns the state round between two levels, too.
+    let mut turned = 0;
+    for frame in 0..300_u32 {
+        let far = 1.5 + (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 65_536.0 * 37.0;
+        let before = lod.state();
+        lod.adapt(&[view(far)], [0.02, 0.1, 0.35][frame as usize % 3]);
+        let state = lod.state();
+        turned += usize::from(state.level != before.level && state.share > 0.0 && before.share > 0.0);
+        lod.gmesh().fill(&values, state, &mut drawn);
+        assert!(
+            lod.vertex_bytes() == bytemuck::cast_slice::<[f32; 3], u8>(&drawn),
+            "{before:?} to {state:?}"
+        );
+    }
+    assert!(turned > 20, "{turned}");
     // A still eye comes to rest, wherever the state is then.
     let still = view(30.0);
     for _ in 0..40 {
@@ -411,6 +510,47 @@ fn levels_of_nothing_are_refused() {
     assert!(matches!(Gmesh::try_from(parts), Err(GmeshError::Length { .. })));
 }
 
+/// Each promise of the parts has a refusal of its own.
+#[test]
+fn parts_that_break_a_promise_are_refused() {
+    let legal = GmeshParts {
+        level_vertices: vec![5, 4],
+        level_errors: vec![0.0, 1.0],
+        level_volumes: vec![f64::NAN; 2],
+        targets: vec![0, 1, 2, 3, 3],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        group_ends: vec![2],
+        material_ids: Vec::new(),
+    };
+    assert!(Gmesh::try_from(legal.clone()).is_ok());
+    // No triangle uses the vertex.
+    let far = GmeshParts { targets: vec![0, 1, 2, 3, 9], ..legal.clone() };
+    assert_eq!(Gmesh::try_from(far).unwrap_err(), GmeshError::Target { vertex: 4, target: 9 });
+    let falling = GmeshParts { level_errors: vec![1.0, 0.5], ..legal.clone() };
+    assert_eq!(Gmesh::try_from(falling).unwrap_err(), GmeshError::Level { level: 1 });
+    let count = 3_000;
+    let alike = GmeshParts {
+        level_vertices: vec![5; count],
+        level_errors: vec![0.0; count],
+        level_volumes: vec![f64::NAN; count],
+        targets: (0..5).collect(),
+        ..legal
+    };
+    assert!(matches!(Gmesh::try_from(alike).unwrap_err(), GmeshError::TooLittle { .. }));
+}
+
+/// Batches are joined into a level until it has the share of the triangles asked for.
+#[test]
+fn batches_are_joined_into_levels() {
+    for (order, share) in [(1, 0.5), (3, 0.4), (0, 0.7)] {
+        let model = bake(&shapes::rock(3_000, 2), 0, order, share);
+        let levels = model.structure().levels();
+        let kept = levels.windows(2).map(|pair| pair[1].triangles as f32 / pair[0].triangles as f32);
+        let kept: Vec<f32> = kept.collect();
+        assert!(kept.len() > 3 && kept.iter().rev().skip(1).all(|&kept| kept <= share), "{kept:?}");
+    }
+}
+
 /// An instance draws the coarsest state within the tolerance, moves no faster than asked, and writes indices once.
 #[test]
 fn an_instance_follows_the_view() {
@@ -427,7 +567,7 @@ fn an_instance_follows_the_view() {
     let shared = LodOptions::default().with_buffer(VertexBuffer::Shared);
     let mut lod = model.instance(values.clone(), &shared).unwrap();
     lod.clean();
-    let mut states = Vec::new();
+    let (mut states, mut rests) = (Vec::new(), 0);
     for i in 0..60 {
         let far = 0.8 + i as f32 * i as f32 * 0.05;
         let view = view(far);
@@ -439,13 +579,25 @@ fn an_instance_follows_the_view() {
         // At rest in the coarsest level that is allowed, or on the way to it.
         let level = lod.gmesh().level_of_error(allowed as f32);
         let state = lod.state();
+        // Half-way to the next level's error it has arrived.
+        let [own, next] = [level, level + 1].map(|i| lod.gmesh().levels().get(i).map(|l| f64::from(l.error)));
+        let half = own.unwrap() + 0.5 * (next.unwrap_or(f64::INFINITY) - own.unwrap());
+        let arrived = state == Morph { level, share: 0.0 };
+        assert!(arrived || allowed < half * 1.000_01, "{state:?} at {allowed}, {level} at rest from {half}");
+        rests += usize::from(arrived && next.is_some_and(|next| allowed < next));
         assert!(
             state == Morph { level, share: 0.0 } || state.level < level,
             "{state:?} instead of level {level}"
         );
         states.push(state);
+        // The shader moves them; the instance's own vertices are at rest.
+        let uniform = lod.morph().unwrap();
+        let moving = lod.gmesh().moving(state.level);
+        assert_eq!((uniform.first_moving as usize, uniform.share), (moving.start, state.share));
+        assert!(i % 10 > 0 || lod.to_mesh() == model.mesh_at(Morph { share: 0.0, ..state }));
         assert_eq!(lod.uploads().count(), 0, "all was uploaded once");
     }
+    assert!(rests > 5, "{rests}");
     let position = |m: &Morph| m.level as f32 + m.share;
     assert!(states.windows(2).all(|pair| position(&pair[0]) <= position(&pair[1])));
     assert!(states.iter().map(|m| m.level).max() > Some(2) && states.iter().any(|m| m.share > 0.0));
@@ -470,7 +622,28 @@ fn an_instance_follows_the_view() {
     at_once.adapt(&[view(40.0)], 0.1);
     assert_eq!(lod.state(), at_once.state());
 
+    // Out of view nobody sees a jump: back at once, too.
+    let away = look_at([0.0, 0.0, 2.0 * diagonal], [0.0, 0.0, 9.0 * diagonal], [0.0, 1.0, 0.0]);
+    let away = View::perspective(away, 1.0, [1280, 720]).unwrap().of_world();
+    lod.adapt(&[away], 0.1);
+    assert_eq!(lod.state().level, lod.gmesh().levels().len() - 1);
+    lod.adapt(&[view(1.0)], 0.1);
+    assert_eq!(lod.state(), fine);
+
     // Limits.
+    let levels = at_once.gmesh().levels();
+    let most = levels[2].vertices - levels[3].vertices;
+    let few = LodOptions::default().with_operations(most);
+    let mut lod = model.instance(model.arrange(mesh.positions()).unwrap(), &few).unwrap();
+    let (mut calls, mut before) = (0, lod.state().level);
+    while lod.state() != Morph::default() {
+        lod.adapt(&[view(0.501)], 0.1);
+        let after = lod.state().level;
+        let moved = levels[after].vertices - levels[before].vertices;
+        assert!(after < before && (moved <= most || before - after == 1), "{before} to {after}");
+        (calls, before) = (calls + 1, after);
+    }
+    assert!(calls > 3, "{calls}");
     let limited = LodOptions::default().with_triangles(500);
     let mut lod = model.instance(model.arrange(mesh.positions()).unwrap(), &limited).unwrap();
     assert!(lod.refine_fully().triangles <= 500 && lod.adapt(&[view(0.8)], 0.1).triangles <= 500);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use multires::mesh::{Attribute, Mesh, names, shapes};
-use multires::simplify::metric::{Batch, Dependence, ErrorMetric, Quadric, Substitutions};
+use multires::simplify::metric::{ErrorMetric, MetricEvent, MetricProperties, Quadric};
 use multires::simplify::oracle::default_oracles;
 use multires::simplify::{Collapse, Oracle, Pair, Reads, Simplifier, Target, WorkingSurface};
 use strips::*;
@@ -37,31 +37,19 @@ impl Oracle for Facets {
 struct Counted(Quadric, Arc<AtomicU64>);
 
 impl ErrorMetric for Counted {
-    fn name(&self) -> &'static str {
-        "counted"
-    }
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.0.begin(surface, batch);
-    }
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.cost_at_kept(surface, pair)
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.1.fetch_add(kept.len() as u64, Ordering::Relaxed);
+        self.0.costs_at_kept(surface, lost, kept, costs);
     }
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.0.optimum(surface, pair)
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.0.update(surface, event);
     }
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        self.0.collapsing(surface, pair, position);
-    }
-    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
-        self.0.substituting(surface, substitutions);
-    }
-    fn dependence(&self) -> Dependence {
-        self.0.dependence()
+    fn properties(&self) -> MetricProperties<'_> {
+        self.0.properties()
     }
 }
 

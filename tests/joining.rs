@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use multires::mesh::{Mesh, Report, shapes};
 use multires::simplify::{
-    Batch, ErrorMetric, Order, Pair, Parts, Placement, Simplifier, StopReason, Target, WorkingSurface, metric,
+    ErrorMetric, MetricEvent, MetricProperties, Order, Pair, Parts, Placement, Simplifier, StopReason,
+    Target, WorkingSurface, metric,
 };
 use multires::tom::TotallyOrderedMesh;
 
@@ -82,24 +83,15 @@ fn a_crowd_does_not_hide_the_next_part() {
 struct Counting(metric::Quadric, Arc<AtomicU64>);
 
 impl ErrorMetric for Counting {
-    fn name(&self) -> &'static str {
-        "counting"
-    }
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.0.begin(surface, batch);
-    }
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.0.optimum(surface, pair)
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.0.update(surface, event);
     }
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        self.0.collapsing(surface, pair, position);
-    }
-    fn dependence(&self) -> metric::Dependence {
-        self.0.dependence()
+    fn properties(&self) -> MetricProperties<'_> {
+        self.0.properties()
     }
 }
 

@@ -10,10 +10,10 @@
 
 use std::sync::{Arc, Mutex};
 
-use multires::mesh::{Mesh, Topology, shapes};
+use multires::mesh::{Attribute, Mesh, Topology, shapes};
 use multires::simplify::metric::{
-    EdgeLength, LindstromTurk, MemorylessQuadric, NAMES, PerBatch, ProgressiveMeshMetric, Quadric,
-    UnsignedVolume, VolumeArea, by_name,
+    AttributeQuadric, Attributes, EdgeLength, LindstromTurk, MemorylessQuadric, MetricEvent, NAMES, Optimum,
+    PerBatch, ProgressiveMeshMetric, Quadric, UnsignedVolume, VolumeArea, WithAttributes, by_name,
 };
 use multires::simplify::{Batch, ErrorMetric, Order, Pair, Placement, Simplifier, Target, WorkingSurface};
 use proptest::prelude::*;
@@ -58,8 +58,15 @@ fn one_octahedron() -> WorkingSurface {
 }
 
 fn begun<M: ErrorMetric>(mut metric: M, surface: &WorkingSurface) -> M {
-    metric.begin(surface, Batch::first(surface));
+    metric.update(surface, MetricEvent::Begin(Batch::first(surface)));
     metric
+}
+
+/// The cost of a pair at the kept point, as endpoint placement asks for it.
+fn quick(metric: &dyn ErrorMetric, surface: &WorkingSurface, pair: Pair) -> f32 {
+    let mut cost = [f32::NAN];
+    metric.costs_at_kept(surface, pair.lost, &[pair.kept], &mut cost);
+    cost[0]
 }
 
 fn named(name: &str, surface: &WorkingSurface) -> Box<dyn ErrorMetric> {
@@ -71,8 +78,8 @@ fn cost_at_kept(metric: impl ErrorMetric, power: i32) -> f64 {
     let surface = one_octahedron();
     let metric = begun(metric, &surface);
     let general = metric.cost(&surface, PAIR, surface.position(V));
-    let quick = metric.cost_at_kept(&surface, PAIR);
-    assert!((general - quick).abs() <= 1e-6 * general, "{}: {general} and {quick}", metric.name());
+    let quick = quick(&metric, &surface, PAIR);
+    assert!((general - quick).abs() <= 1e-6 * general, "{}: {general} and {quick}", metric.properties().name);
     f64::from(quick) / surface.frame().scale().powi(power)
 }
 
@@ -120,7 +127,7 @@ fn accumulated_quadric_agrees_where_nothing_is_counted_twice() {
     let metric = begun(Quadric::new(), &surface);
     let (scale, sum) = (surface.frame().scale(), 2.0 * 3f64.sqrt() * 4.0 / 3.0);
     assert_near(f64::from(metric.cost(&surface, PAIR, surface.position(V))) / scale.powi(4), sum);
-    let quick = f64::from(metric.cost_at_kept(&surface, PAIR)) / scale.powi(3);
+    let quick = f64::from(quick(&metric, &surface, PAIR)) / scale.powi(3);
     assert_near(quick, sum / (4.0 * 3f64.sqrt()).sqrt());
 }
 
@@ -138,11 +145,12 @@ fn lindstrom_turk_preserves_the_volume() {
     // At (t, 0, t) the four outer tetrahedra have -1/6 each, the two on the edge (2t - 1)/6: together 0 at t = 3/2.
     let surface = one_octahedron();
     let metric = begun(LindstromTurk::new(), &surface);
-    let (x, cost) = metric.optimum(&surface, PAIR).expect("a position");
+    let Optimum { position: x, cost, .. } =
+        metric.optimum(&surface, PAIR, &AttributeQuadric::NONE).expect("a position");
     let t = 1.5 * surface.frame().scale() as f32;
     assert!(x.iter().zip([t, 0.0, t]).all(|(a, b)| (a - b).abs() < 1e-6), "{x:?}");
     // Squared volumes: 6 x (1/3)^2 / 4 = 4 (1/6)^2 + 2 (2/6)^2 there, 2 (1/3)^2 at v, 4 (1/6)^2 in the middle.
-    let at_kept = metric.cost_at_kept(&surface, PAIR);
+    let at_kept = quick(&metric, &surface, PAIR);
     assert_near(f64::from(cost / at_kept), (4.0 / 36.0 + 2.0 / 9.0) / (2.0 / 9.0));
     let middle = surface.position(U).map(|x| 0.5 * x);
     let middle = [0, 1, 2].map(|i| middle[i] + 0.5 * surface.position(V)[i]);
@@ -181,7 +189,8 @@ fn quadrics_find_the_corner_that_was_cut_off() {
     let corner = surface.frame().inner([1.0; 3]);
     let pair = Pair { lost: 0, kept: 1 };
     for name in ["memoryless-quadric", "quadric"] {
-        let (x, _) = named(name, &surface).optimum(&surface, pair).expect("a position");
+        let optimum = named(name, &surface).optimum(&surface, pair, &AttributeQuadric::NONE);
+        let x = optimum.expect("a position").position;
         let distance = (0..3).map(|i| (x[i] - corner[i]).powi(2)).sum::<f32>().sqrt();
         assert!(distance < 0.02 * surface.frame().scale() as f32, "{name}: {distance} off");
     }
@@ -194,7 +203,7 @@ fn nothing_costs_anything_on_a_plane() {
     let edge = (2.0 / 8.0 * surface.frame().scale()) as f32;
     for name in NAMES {
         let metric = named(name, &surface);
-        let costs = [metric.cost_at_kept(&surface, pair), metric.cost(&surface, pair, surface.position(40))];
+        let costs = [quick(&*metric, &surface, pair), metric.cost(&surface, pair, surface.position(40))];
         let tie_break = match name {
             "edge-length" => edge * edge,
             "quadric" => 1e-9 * edge.powi(4),
@@ -218,7 +227,7 @@ fn borders_may_slide_but_not_be_cut() {
     let cut = Pair { lost: 0, kept: 10 };
     for name in ["lindstrom-turk", "memoryless-quadric", "quadric", "progressive-mesh", "volume-area"] {
         let metric = named(name, &surface);
-        let (slide, cut) = (metric.cost_at_kept(&surface, slide), metric.cost_at_kept(&surface, cut));
+        let (slide, cut) = (quick(&*metric, &surface, slide), quick(&*metric, &surface, cut));
         assert!(cut > 100.0 * slide, "{name}: slide {slide}, cut {cut}");
     }
 }
@@ -235,7 +244,7 @@ fn costs_scale_by_their_unit() {
     let powers = [3, 4, 6, 3, 3, 3, 2, 2];
     for (name, power) in NAMES.into_iter().zip(powers) {
         let metric = named(name, &surface);
-        let ratio = metric.cost_at_kept(&surface, PAIR) / metric.cost_at_kept(&surface, small);
+        let ratio = quick(&*metric, &surface, PAIR) / quick(&*metric, &surface, small);
         assert_near(f64::from(ratio), 4f64.powi(power));
     }
 }
@@ -278,7 +287,8 @@ proptest! {
         let middle = [0, 1, 2].map(|i| 0.5 * (ends[0][i] + ends[1][i]));
         for name in NAMES {
             let metric = named(name, &surface);
-            let Some((x, cost)) = metric.optimum(&surface, pair) else {
+            let Some(Optimum { position: x, cost, .. }) =
+                metric.optimum(&surface, pair, &AttributeQuadric::NONE) else {
                 prop_assert_eq!(name, "edge-length");
                 continue;
             };
@@ -301,26 +311,25 @@ struct Checked<M, F> {
 }
 
 impl<M: ErrorMetric, F: Fn() -> M + Send + Sync> ErrorMetric for Checked<M, F> {
-    fn name(&self) -> &'static str {
-        "checked"
-    }
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.metric.begin(surface, batch);
-    }
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.metric.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.metric.optimum(surface, pair)
+    fn optimum(
+        &self,
+        surface: &WorkingSurface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<Optimum> {
+        self.metric.optimum(surface, pair, attributes)
     }
-    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
-        self.metric.collapsed(surface, pair);
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.metric.update(surface, event);
+        let MetricEvent::Collapsed { .. } = event else { return };
         let fresh = begun((self.fresh)(), surface);
         for point in 0..surface.point_count() as u32 {
             surface.for_neighbours(point, |kept| {
                 let pair = Pair { lost: point, kept };
-                let (kept, new) =
-                    (self.metric.cost_at_kept(surface, pair), fresh.cost_at_kept(surface, pair));
+                let (kept, new) = (quick(&self.metric, surface, pair), quick(&fresh, surface, pair));
                 assert!((kept - new).abs() <= 1e-3 * new + 1e-9, "{point}: {kept} kept, {new} afresh");
             });
         }
@@ -443,18 +452,80 @@ fn springs_follow_their_schedule() {
     let mut metric =
         ProgressiveMeshMetric::new().with_schedule(|batch| if batch.index == 0 { 1.0 } else { 0.0 });
     let mut batch = Batch::first(&surface);
-    metric.begin(&surface, batch);
-    let stiff = metric.cost_at_kept(&surface, PAIR);
+    metric.update(&surface, MetricEvent::Begin(batch));
+    let stiff = quick(&metric, &surface, PAIR);
     batch.index = 1;
-    metric.begin(&surface, batch);
-    let loose = metric.cost_at_kept(&surface, PAIR);
+    metric.update(&surface, MetricEvent::Begin(batch));
+    let loose = quick(&metric, &surface, PAIR);
     assert_near(f64::from(stiff / loose), (8.0 / 3.0 + 10.0) / (8.0 / 3.0));
 }
 
 #[test]
 fn names_lead_to_metrics_and_back() {
     for name in NAMES {
-        assert_eq!(by_name(name).map(|metric| metric.name()), Some(name));
+        assert_eq!(by_name(name).map(|metric| metric.properties().name), Some(name));
     }
     assert!(by_name("shortest").is_none());
+}
+
+/// A closure simplifies as a type with the same costs does.
+#[test]
+fn a_closure_is_a_metric() {
+    struct Squared;
+    fn squared(surface: &WorkingSurface, pair: Pair) -> f32 {
+        let [a, b] = [pair.lost, pair.kept].map(|point| surface.position(point));
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum()
+    }
+    impl ErrorMetric for Squared {
+        fn cost(&self, surface: &WorkingSurface, pair: Pair, _: [f32; 3]) -> f32 {
+            squared(surface, pair)
+        }
+    }
+    let mesh = shapes::rock(500, 3);
+    let target = Target::Triangles(100);
+    let by_closure = |surface: &WorkingSurface, pair: Pair, _: [f32; 3]| squared(surface, pair);
+    let by_closure = Simplifier::new().metric(by_closure).target(target).run(&mesh).expect("options");
+    let by_type = Simplifier::new().metric(Squared).target(target).run(&mesh).expect("options");
+    assert_eq!(by_closure, by_type);
+    assert!(by_closure.report().triangles <= 100);
+}
+
+/// A metric whose optimum knows nothing of attributes gets their cost added, and one that counts them does not.
+#[test]
+fn attributes_count_at_any_optimum() {
+    struct Flat {
+        counts: bool,
+    }
+    impl ErrorMetric for Flat {
+        fn cost(&self, _: &WorkingSurface, _: Pair, _: [f32; 3]) -> f32 {
+            1.0
+        }
+        fn optimum(
+            &self,
+            surface: &WorkingSurface,
+            pair: Pair,
+            attributes: &AttributeQuadric,
+        ) -> Option<Optimum> {
+            let [a, b] = [pair.lost, pair.kept].map(|point| surface.position(point));
+            let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+            let both = || Optimum::of_both(middle, 1.0 + attributes.at(middle).sum);
+            Some(if self.counts { both() } else { Optimum::new(middle, 1.0) })
+        }
+    }
+    let mesh = shapes::terrain(9, 2);
+    let heat: Vec<[f32; 1]> = mesh.positions().iter().map(|p| [(7.0 * p[0] * p[2]).sin()]).collect();
+    let mesh = mesh.with_attribute(Attribute::floats("heat", &heat)).expect("values");
+    let surface = surface(&mesh);
+    let pair = Pair { lost: 30, kept: 31 };
+    let costs = [false, true].map(|counts| {
+        let attributes = Attributes::new(&mesh).custom("heat", 0.5);
+        let metric = WithAttributes::with(Flat { counts }, &attributes).expect("an attribute");
+        let metric = begun(metric, &surface);
+        let Optimum { position, cost, .. } =
+            metric.optimum(&surface, pair, &AttributeQuadric::NONE).expect("the middle");
+        assert_eq!(cost, metric.cost(&surface, pair, position));
+        cost
+    });
+    assert!(costs[0] > 1.0, "{costs:?}");
+    assert_eq!(costs[0], costs[1]);
 }

@@ -11,8 +11,8 @@ use multires::quality::{area, vertex_distances};
 use multires::simplify::metric::by_name;
 use multires::simplify::oracle::{Borders, LinkCondition};
 use multires::simplify::{
-    Batch, CollapseSequence, ErrorMeasure, ErrorMetric, Order, Pair, Parts, Placement, ProgressiveMesh,
-    Simplifier, StopReason, Target, WorkingSurface, metric,
+    CollapseSequence, ErrorMeasure, ErrorMetric, MetricEvent, MetricProperties, Order, Pair, Parts,
+    Placement, ProgressiveMesh, Simplifier, StopReason, Target, WorkingSurface, metric,
 };
 use multires::tom::TotallyOrderedMesh;
 
@@ -124,7 +124,7 @@ fn the_last_part_stays_and_goes_on() {
     for order in [Order::Linear, Order::Batched] {
         for metric in metric::NAMES {
             let metric = metric::by_name(metric).unwrap();
-            let name = metric.name();
+            let name = metric.properties().name;
             let sequence = Simplifier::new().metric(metric).order(order).run(&shapes::gravel(40, 1)).unwrap();
             assert_eq!(sequence.report().triangles, 4, "{name} {order:?}");
             assert_eq!(sequence.report().parts_removed, 39, "{name} {order:?}");
@@ -238,28 +238,19 @@ fn large_forests_come_in_order() {
 struct Counting(metric::Quadric, Arc<AtomicU64>);
 
 impl ErrorMetric for Counting {
-    fn name(&self) -> &'static str {
-        "counting"
-    }
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.0.begin(surface, batch);
-    }
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.cost(surface, pair, position)
     }
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.0.optimum(surface, pair)
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.0.update(surface, event);
     }
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        self.0.collapsing(surface, pair, position);
+    fn properties(&self) -> MetricProperties<'_> {
+        self.0.properties()
     }
-    fn dependence(&self) -> metric::Dependence {
-        self.0.dependence()
-    }
-    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
+    fn cost_of(&self, surface: &WorkingSurface, pair: Pair, loss: metric::Loss) -> Option<f32> {
         self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.cost_per_deviation(surface, pair)
+        self.0.cost_of(surface, pair, loss)
     }
 }
 

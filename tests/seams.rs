@@ -8,9 +8,7 @@ use meshes::*;
 use multires::mesh::{Mesh, names};
 use multires::simplify::metric::WithAttributes;
 use multires::simplify::oracle::Borders;
-use multires::simplify::{
-    Batch, CollapseSequence, ErrorMetric, Origin, Pair, Placement, Simplifier, WorkingSurface,
-};
+use multires::simplify::{CollapseSequence, Origin, Pair, Placement, Simplifier, WorkingSurface};
 use proptest::prelude::*;
 
 const PLACEMENTS: [Placement; 4] =
@@ -166,20 +164,9 @@ fn both_sides_of_a_seam_move_together() {
 }
 
 /// Shortest edge first: only the rules keep anything in place.
-struct Shortest;
-
-impl ErrorMetric for Shortest {
-    fn name(&self) -> &'static str {
-        "shortest"
-    }
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
-    fn cost(&self, surface: &WorkingSurface, pair: Pair, _: [f32; 3]) -> f32 {
-        let edge = sub(surface.position(pair.lost), surface.position(pair.kept));
-        dot(edge, edge) as f32
-    }
-    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
-        None
-    }
+fn shortest(surface: &WorkingSurface, pair: Pair, _: [f32; 3]) -> f32 {
+    let edge = sub(surface.position(pair.lost), surface.position(pair.kept));
+    dot(edge, edge) as f32
 }
 
 #[test]
@@ -193,7 +180,7 @@ fn borders_between_materials_stay_in_place() {
     let mesh = mesh.clone().with_materials(ids).unwrap();
     for placement in PLACEMENTS {
         // With the outline in place, all the way down to the base.
-        let simplifier = Simplifier::new().metric(Shortest).oracle(Borders::Locked).placement(placement);
+        let simplifier = Simplifier::new().metric(shortest).oracle(Borders::Locked).placement(placement);
         let sequence = { simplifier }.run(&mesh).unwrap();
         assert!(sequence.report().triangles < mesh.triangles().len() / 3);
         for steps in some_levels(&sequence, 12) {
@@ -235,7 +222,7 @@ fn wedges_of_one_point_never_become_one() {
         .with_attribute(open.attribute(names::UV).unwrap().clone())
         .unwrap();
     for placement in PLACEMENTS {
-        let simplifier = Simplifier::new().metric(Shortest).placement(placement);
+        let simplifier = Simplifier::new().metric(shortest).placement(placement);
         let sequence = { simplifier }.run(&mesh).unwrap();
         for steps in 1..=sequence.len() {
             let new = |v: u32| v as usize >= values.len();

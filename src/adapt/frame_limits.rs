@@ -7,6 +7,7 @@ use super::change::Change;
 use super::cut::Cut;
 use super::refinements::Refinements;
 use super::transitions::{Limits, RefinementSink, Transitions};
+use super::weights::Weights;
 
 /// State kept besides the cut, if a level of detail has limits or moving vertices.
 #[derive(Debug, Clone)]
@@ -37,6 +38,11 @@ impl FrameLimits {
     /// Whether a refinement is shown.
     pub fn shows(&self, r: u32) -> bool {
         self.transitions.shows(r)
+    }
+
+    /// Refinements in transition.
+    pub fn weights(&self) -> &Weights {
+        self.transitions.weights()
     }
 
     /// Runs one frame. Vertices advance by `progress`, the cut moves to the refinements needed within the budget, and the
@@ -76,7 +82,7 @@ impl FrameLimits {
             cut: report,
             triangles: transitions.triangles(),
             pending: transitions.pending(),
-            moving: transitions.transitions(),
+            moving: transitions.weights().len(),
             over_budget: transitions.triangles() > *triangles,
         }
     }

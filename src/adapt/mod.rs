@@ -9,6 +9,7 @@
 //! | `cut.rs` | [`Cut`]: front, wheel and closure together |
 //! | `budget.rs` | a cut within a number of triangles: the most urgent refinements, by two heaps over rim and fringe |
 //! | `transitions.rs` | the shown mesh follows the cut: limited a frame, smoothly if asked for |
+//! | `weights.rs` | weights of refinements in transition |
 //! | `frame_limits.rs` | limits between the cut and the shown mesh: triangles, and operations a frame |
 //! | `tolerance.rs` | a factor of all tolerances, which may change every frame |
 //! | `geomorph.rs` | [`Geomorph`]: duration of a transition |
@@ -28,6 +29,7 @@ mod geomorph;
 mod refinements;
 mod tolerance;
 mod transitions;
+mod weights;
 mod wheel;
 
 pub use blend::Blend;
@@ -40,3 +42,4 @@ pub use geomorph::Geomorph;
 pub use refinements::Refinements;
 pub(crate) use tolerance::Tolerance;
 pub(crate) use transitions::RefinementSink;
+pub(crate) use weights::{AT_REST, Transition, Weights};

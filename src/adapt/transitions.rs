@@ -12,9 +12,8 @@
 
 use std::collections::VecDeque;
 
-use crate::mesh::NONE;
-
 use super::refinements::Refinements;
+use super::weights::{Transition, Weights};
 
 /// The mesh which shows refinements, with its moving vertices.
 pub(crate) trait RefinementSink {
@@ -22,17 +21,15 @@ pub(crate) trait RefinementSink {
     fn triangles(&self) -> usize;
     /// Triangles added now by a refinement. For a shown refinement which may go: triangles removed.
     fn cost(&self, r: u32) -> usize;
-    /// Advances all transitions by a share of their way.
-    fn advance(&mut self, progress: f32);
+    /// Places moving vertices by the advanced weights. Transitions which are over and open end afterwards.
+    fn advance(&mut self, weights: &Weights);
     /// Adds a refinement. All refinements it builds on are shown. `there` tells shown refinements, itself included. If
     /// `smoothly`, its vertices start at their substitutes.
     fn refine(&mut self, r: u32, smoothly: bool, there: impl Fn(u32) -> bool + Copy);
     /// Removes a refinement. No shown refinement builds on it.
     fn coarsen(&mut self, r: u32);
-    /// Starts to move a refinement's vertices to their substitutes, from their current values.
-    fn close(&mut self, r: u32);
-    /// Starts to move a refinement's vertices to their own places, from their current values.
-    fn reopen(&mut self, r: u32);
+    /// Turns a refinement's vertices, from their current values towards their substitutes or back.
+    fn turn(&mut self, r: u32);
 }
 
 /// Limits of one frame.
@@ -62,21 +59,13 @@ const AIM: u8 = 32;
 const NOTED: u8 = 64;
 
 #[derive(Debug, Clone)]
-struct Transition {
-    refinement: u32,
-    /// Share of the way travelled.
-    weight: f32,
-}
-
-#[derive(Debug, Clone)]
 pub(crate) struct Transitions {
     state: Vec<u8>,
-    /// Per refinement, how many shown refinements build on it (`held`), and how many of them are closing (`closing`).
+    /// Per refinement, how many shown refinements build on it (`held`), and how many of them are closing (`closing`, empty
+    /// without moving vertices).
     held: Vec<u32>,
     closing: Vec<u32>,
-    /// Per refinement its transition, or `NONE`. Without moving vertices, empty, as is `closing`.
-    transition_of: Vec<u32>,
-    transitions: Vec<Transition>,
+    weights: Weights,
     coming: VecDeque<u32>,
     going: VecDeque<u32>,
     stack: Vec<(u32, bool)>,
@@ -101,8 +90,7 @@ impl Transitions {
             state: vec![0; count],
             held: vec![0; count],
             closing: if moves { vec![0; count] } else { Vec::new() },
-            transition_of: if moves { vec![NONE; count] } else { Vec::new() },
-            transitions: Vec::new(),
+            weights: Weights::new(count, moves),
             coming: VecDeque::new(),
             going: VecDeque::new(),
             stack: Vec::new(),
@@ -128,9 +116,9 @@ impl Transitions {
         self.pending
     }
 
-    /// Number of refinements in transition.
-    pub fn transitions(&self) -> usize {
-        self.transitions.len()
+    /// Refinements in transition.
+    pub fn weights(&self) -> &Weights {
+        &self.weights
     }
 
     /// Triangles shown.
@@ -179,8 +167,8 @@ impl Transitions {
             if wanted && self.is(r, CLOSING) {
                 self.state[r as usize] &= !CLOSING;
                 of.parents(r).chain(of.dependencies(r)).for_each(|n| self.closing[n as usize] -= 1);
-                self.start(r);
-                sink.reopen(r);
+                self.weights.start(r, 0.0, 1.0);
+                sink.turn(r);
             }
         }
         self.noted.clear();
@@ -188,20 +176,19 @@ impl Transitions {
 
     /// Advances all transitions by a share of their way. Refinements which have finished closing are queued to go.
     pub fn advance(&mut self, progress: f32, sink: &mut impl RefinementSink) {
-        sink.advance(progress);
-        let mut i = 0;
-        while i < self.transitions.len() {
-            let Transition { refinement, weight } = &mut self.transitions[i];
-            let r = *refinement;
-            *weight = (*weight + progress).min(1.0);
-            let there = *weight >= 1.0;
-            if there && self.is(r, CLOSING) {
-                self.call(r, GOING);
-            } else if there {
-                self.end(r);
+        self.weights.advance(progress);
+        sink.advance(&self.weights);
+        let mut at = 0;
+        while let Some(&transition) = self.weights.all().get(at) {
+            let r = transition.refinement;
+            if transition.is_over() && !transition.is_closing() {
+                self.weights.end(r);
                 continue;
             }
-            i += 1;
+            if transition.is_over() {
+                self.call(r, GOING);
+            }
+            at += 1;
         }
     }
 
@@ -249,7 +236,7 @@ impl Transitions {
             return true;
         }
         let held = self.held[r as usize];
-        let closed = self.is(r, CLOSING) && self.transition(r).is_none_or(|t| t.weight >= 1.0);
+        let closed = self.is(r, CLOSING) && self.weights.of(r).is_none_or(Transition::is_over);
         if closed || !self.is(r, CLOSING) && (!limits.smooth || held == 0 && !sees(r)) {
             if held == 0 {
                 self.coarsen(of, r, sink);
@@ -262,7 +249,7 @@ impl Transitions {
 
     fn coarsen<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
         let was_closing = self.is(r, CLOSING);
-        self.end(r);
+        self.weights.end(r);
         self.state[r as usize] &= !(SHOWN | CLOSING);
         self.collapses += 1;
         self.pending -= 1;
@@ -279,8 +266,8 @@ impl Transitions {
 
     fn close<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
         self.state[r as usize] |= CLOSING;
-        self.start(r);
-        sink.close(r);
+        self.weights.start(r, 1.0, 0.0);
+        sink.turn(r);
         for n in of.parents(r).chain(of.dependencies(r)) {
             self.closing[n as usize] += 1;
             self.call_if_free(n);
@@ -345,33 +332,7 @@ impl Transitions {
         let state = &self.state;
         sink.refine(r, smoothly, |other| state[other as usize] & SHOWN != 0);
         if smoothly {
-            self.start(r);
-        }
-    }
-
-    fn transition(&self, r: u32) -> Option<&Transition> {
-        self.transitions.get(*self.transition_of.get(r as usize)? as usize)
-    }
-
-    /// Starts a transition from the current state.
-    fn start(&mut self, r: u32) {
-        match self.transition_of[r as usize] {
-            NONE => {
-                self.transition_of[r as usize] = self.transitions.len() as u32;
-                self.transitions.push(Transition { refinement: r, weight: 0.0 });
-            }
-            at => self.transitions[at as usize].weight = 0.0,
-        }
-    }
-
-    fn end(&mut self, r: u32) {
-        let Some(at) = self.transition_of.get_mut(r as usize) else { return };
-        let at = std::mem::replace(at, NONE);
-        if at != NONE {
-            self.transitions.swap_remove(at as usize);
-            if let Some(moved) = self.transitions.get(at as usize) {
-                self.transition_of[moved.refinement as usize] = at;
-            }
+            self.weights.start(r, 0.0, 1.0);
         }
     }
 
@@ -381,8 +342,7 @@ impl Transitions {
         self.state.len()
             + size_of_val(&self.held[..])
             + size_of_val(&self.closing[..])
-            + size_of_val(&self.transition_of[..])
-            + size_of_val(&self.transitions[..])
+            + self.weights.memory()
             + queues * size_of::<u32>()
     }
 }

@@ -112,6 +112,23 @@ pub struct Split {
     pub over_budget: bool,
 }
 
+/// Bits of a key that do not tell its class: classes are an eighth of an octave wide.
+const CLASS_SHIFT: u32 = 20;
+/// Number of classes of keys: all finite keys and infinity.
+const CLASSES: usize = (f32::INFINITY.to_bits() >> CLASS_SHIFT) as usize + 1;
+
+/// Returns the class of a key of at least 0. Higher keys have no lower classes.
+fn class_of(key: f32) -> usize {
+    ((key.to_bits() >> CLASS_SHIFT) as usize).min(CLASSES - 1)
+}
+
+/// Returns the lowest and the highest key of a class.
+fn keys_of(class: usize) -> [f32; 2] {
+    let low = (class as u32) << CLASS_SHIFT;
+    let high = (low | ((1 << CLASS_SHIFT) - 1)).min(f32::INFINITY.to_bits());
+    [low, high].map(f32::from_bits)
+}
+
 /// A step of an object to a finer level of its hull.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
@@ -160,6 +177,8 @@ pub struct Budget {
     /// Steps that each object takes, hysteresis and rest included; where the search of the next call begins.
     taken: Vec<u32>,
     entries: Vec<Entry>,
+    /// Triangles of the steps of each class of keys.
+    classes: Vec<u64>,
     /// Error saved per triangle by the first step that did not fit; 0: all fitted.
     slope: f32,
     exact: Exact,
@@ -179,6 +198,7 @@ impl Budget {
             levels: Vec::new(),
             taken: Vec::new(),
             entries: Vec::new(),
+            classes: Vec::new(),
             slope: 0.0,
             exact: Exact::default(),
         })
@@ -303,7 +323,38 @@ impl Budget {
         if known && WINDOWS.iter().any(|&by| self.take_within(objects, room, [last / by, last * by])) {
             return;
         }
-        self.take_within(objects, room, [0.0, f32::INFINITY]);
+        let window = self.survey(objects, room);
+        self.take_within(objects, room, window);
+    }
+
+    /// Returns a window of keys in which the split ends: triangles are summed by classes of keys, an eighth of an octave wide.
+    fn survey(&mut self, objects: &[LadderObject<'_>], room: u64) -> [f32; 2] {
+        let Self { options, rungs, classes, entries, .. } = self;
+        let boost = 1.0 + options.hysteresis;
+        classes.clear();
+        classes.resize(CLASSES, 0);
+        let mut most = 0;
+        for (object, &rung) in objects.iter().zip(&*rungs) {
+            let (weight, scale) = (object.weight(), object.scale());
+            let steps = object.ladder.steps();
+            most += steps.len();
+            let needed = steps.iter().take_while(|step| scale * step.error > options.tolerance_px);
+            for step in needed.filter(|_| weight > 0.0) {
+                let key = weight * step.slope * if step.to <= rung { boost } else { 1.0 };
+                classes[class_of(key)] += u64::from(step.triangles);
+            }
+        }
+        // A window of a later frame may hold all steps.
+        entries.clear();
+        entries.reserve(most);
+        let mut sum = 0_u64;
+        let reached = classes.iter().rposition(|triangles| {
+            sum += triangles;
+            sum > room
+        });
+        // Steps that follow within the next frame's first window may fill the rest.
+        let [low, high] = reached.map_or([0.0; 2], |class| keys_of(class));
+        [low / (boost * WINDOWS[0]), high]
     }
 
     /// Takes all steps above a window of keys, none below, and the best within. Returns whether the split ends in the window.

@@ -7,10 +7,10 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
+use crate::adapt::{Change, CutReport, DirtyRanges};
 use crate::lod::{
-    Allowed, Baked, Draws, Lod, LodError, LodOptions, Mix, MorphUniform, Uploads, Values, Vertex,
-    VertexBuffer, Whole,
+    Allowed, Baked, Draws, Lod, LodError, LodOptions, MorphUniform, Uploads, Values, Vertex, Whole,
+    WholeInstance,
 };
 use crate::mesh::{Mesh, NONE};
 use crate::view::ObjectView;
@@ -79,32 +79,18 @@ impl Table {
 pub struct GmeshLod<V> {
     model: Baked<Gmesh>,
     table: Arc<Table>,
-    options: LodOptions,
-    factor: f32,
-    /// Views of the last call; kept only where vertices move.
-    views: Vec<ObjectView>,
+    /// Views are kept only where vertices move.
+    shared: WholeInstance<V>,
     /// Number of views tested by the last call.
     tests: usize,
     /// State drawn.
     now: Morph,
     /// State asked for, within the triangle limit.
     wanted: Morph,
-    values: Values<V>,
-    moving: Option<Moving<V>>,
+    /// State of the vertices that the processor moves.
+    at: Morph,
     /// Set until the index buffers are uploaded.
     unwritten: bool,
-    /// Written vertices, in use or not.
-    dirty_vertices: Dirty,
-}
-
-/// State of moving vertices.
-#[derive(Debug, Clone)]
-struct Moving<V> {
-    mix: Mix<V>,
-    /// Drawn value of each vertex.
-    drawn: Vec<V>,
-    /// State of `drawn`.
-    at: Morph,
 }
 
 impl<V: Vertex> GmeshLod<V> {
@@ -114,25 +100,18 @@ impl<V: Vertex> GmeshLod<V> {
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
-        values.check(model.structure().vertex_count())?;
-        let mix = values.mix_for(options)?;
+        let shared = WholeInstance::new(values, model.structure().vertex_count(), options)?;
         let coarsest = Morph { level: model.structure().levels().len() - 1, share: 0.0 };
-        let mut lod = Self {
+        Ok(Self {
             model: model.clone(),
             table: Arc::clone(model.table()?),
-            options: *options,
-            factor: 1.0,
-            views: Vec::new(),
+            shared,
             tests: 0,
             now: coarsest,
             wanted: coarsest,
-            moving: mix.map(|mix| Moving::new(mix, &values, coarsest)),
-            values,
+            at: coarsest,
             unwritten: true,
-            dirty_vertices: Dirty::default(),
-        };
-        lod.invalidate();
-        Ok(lod)
+        })
     }
 
     /// Returns the structure.
@@ -147,7 +126,7 @@ impl<V: Vertex> GmeshLod<V> {
 
     /// Returns the drawn values of all vertices of the structure.
     pub fn values(&self) -> &[V] {
-        self.moving.as_ref().map_or(&self.values, |moving| &moving.drawn)
+        self.shared.values()
     }
 
     /// Draws a state at once, within the triangle limit, whatever the views: for a T of your own
@@ -169,7 +148,7 @@ impl<V: Vertex> GmeshLod<V> {
     /// ```
     pub fn show(&mut self, state: Morph) -> Change {
         let before = self.now;
-        self.views.clear();
+        self.shared.views.clear();
         self.tests = 0;
         self.wanted = self.within_limit(self.gmesh().clamped(state));
         self.place(self.wanted);
@@ -182,7 +161,7 @@ impl<V: Vertex> GmeshLod<V> {
         let (was, is, wanted) = (vertices(before), vertices(self.now), vertices(self.wanted));
         let triangles = self.gmesh().levels()[self.now.level].triangles;
         let is_under_way = self.now != self.wanted;
-        let moves = self.moving.is_some() && self.now.share > 0.0 && is_under_way;
+        let moves = self.shared.moves() && self.now.share > 0.0 && is_under_way;
         Change {
             cut: CutReport {
                 tests: self.tests,
@@ -192,14 +171,14 @@ impl<V: Vertex> GmeshLod<V> {
             triangles,
             pending: is.abs_diff(wanted).max(usize::from(is_under_way)),
             moving: if moves { self.gmesh().moving(self.now.level).len() } else { 0 },
-            over_budget: self.options.triangles.is_some_and(|most| triangles > most),
+            over_budget: self.shared.options().triangles.is_some_and(|most| triangles > most),
         }
     }
 
     /// Returns a state, or if it has too many triangles, the finest level within the triangle limit.
     fn within_limit(&self, state: Morph) -> Morph {
         let gmesh = self.gmesh();
-        match self.options.triangles {
+        match self.shared.options().triangles {
             Some(most) if gmesh.levels()[state.level].triangles > most => {
                 Morph { level: gmesh.level_within(most), share: 0.0 }
             }
@@ -211,7 +190,8 @@ impl<V: Vertex> GmeshLod<V> {
     fn is_above_limit(&self) -> bool {
         let gmesh = self.gmesh();
         let now = gmesh.levels()[self.now.level].triangles;
-        self.options.triangles.is_some_and(|most| now > most) && self.now.level + 1 < gmesh.levels().len()
+        let most = self.shared.options().triangles;
+        most.is_some_and(|most| now > most) && self.now.level + 1 < gmesh.levels().len()
     }
 
     /// Returns the state reached towards the wanted state in a single call: at most `progress` levels away (`None`: any number),
@@ -225,7 +205,7 @@ impl<V: Vertex> GmeshLod<V> {
         if let Some(progress) = progress {
             to = wanted.clamp(now - progress, now + progress);
         }
-        if let Some(most) = self.options.operations {
+        if let Some(most) = self.shared.options().operations {
             let here = levels[self.now.level].vertices;
             let near = |level: &usize| levels[*level].vertices.abs_diff(here) <= most;
             let finest = (0..self.now.level).find(near).unwrap_or(self.now.level.saturating_sub(1));
@@ -238,67 +218,50 @@ impl<V: Vertex> GmeshLod<V> {
     /// Draws a state.
     fn place(&mut self, to: Morph) {
         self.now = to;
-        let gmesh = Arc::clone(self.model.structure());
-        let Self { moving: Some(Moving { mix, drawn, at }), values, dirty_vertices, .. } = self else {
-            return;
-        };
-        if *at == to {
+        let at = self.at;
+        if at == to || !self.shared.moves() {
             return;
         }
+        let gmesh = Arc::clone(self.model.structure());
+        let numbers = |level: usize| gmesh.moving(level).map(|vertex| vertex as u32);
         if at.level != to.level && at.share > 0.0 {
-            for vertex in gmesh.moving(at.level) {
-                drawn[vertex] = values[vertex];
-                dirty_vertices.mark(vertex as u32);
-            }
+            self.shared.rest(numbers(at.level));
         }
         if to.share > 0.0 || at.level == to.level {
-            for vertex in gmesh.moving(to.level) {
-                let target = gmesh.targets()[vertex] as usize;
-                drawn[vertex] = (mix.blend)(&values[vertex], &values[target], to.share);
-                dirty_vertices.mark(vertex as u32);
-            }
+            let ends = |vertex: u32| (vertex, [vertex, gmesh.targets()[vertex as usize]]);
+            self.shared.blend(numbers(to.level).map(ends), to.share);
         }
-        *at = to;
+        self.at = to;
     }
 
-    /// Returns the number of vertices in the buffer.
-    fn buffered(&self) -> usize {
-        match self.options.buffer {
-            VertexBuffer::Packed => self.gmesh().levels()[self.now.level].vertices,
-            _ => self.values.len(),
-        }
-    }
-}
-
-impl<V: Vertex> Moving<V> {
-    fn new(mix: Mix<V>, values: &[V], at: Morph) -> Self {
-        Self { mix, drawn: values.to_vec(), at }
+    /// Returns the number of vertices in use.
+    fn prefix(&self) -> usize {
+        self.gmesh().levels()[self.now.level].vertices
     }
 }
 
 impl<V: Vertex> Lod for GmeshLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
         let before = self.now;
-        let allowed = self.table.whole.allowed(views, self.factor);
+        let allowed = self.table.whole.allowed(views, self.shared.factor());
         self.wanted = self.within_limit(self.table.state(allowed));
         self.tests = views.len();
         let mut progress = None;
-        if let Some(geomorph) = self.options.geomorph {
+        if let Some(geomorph) = self.shared.options().geomorph {
             // Out of view before or now, vertices jump.
-            let whole = &self.table.whole;
-            if geomorph.duration > 0.0 && whole.is_seen(&self.views) && whole.is_seen(views) {
-                let motion = Whole::motion(views, &self.views);
+            let (whole, before) = (&self.table.whole, &self.shared.views);
+            if geomorph.duration > 0.0 && whole.is_seen(before) && whole.is_seen(views) {
+                let motion = Whole::motion(views, before);
                 progress = Some(geomorph.progress(seconds, motion, f64::from(whole.diagonal())));
             }
-            self.views.clear();
-            self.views.extend_from_slice(views);
+            self.shared.look(views);
         }
         self.place(self.towards(progress));
         self.change(before)
     }
 
     fn refine_fully(&mut self) -> Change {
-        self.views.clear();
+        self.shared.views.clear();
         let before = self.now;
         self.wanted = self.within_limit(Morph::default());
         self.settle();
@@ -310,37 +273,33 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn options(&self) -> &LodOptions {
-        &self.options
+        self.shared.options()
     }
 
     fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
-        let mix = self.values.mix_for(options)?;
-        let moves = mix.is_some() != self.moving.is_some();
-        let rebuilt = moves || options.buffer != self.options.buffer;
-        if rebuilt || options.is_immediate() {
+        let accepted = self.shared.accept(options)?;
+        let (moves, rebuilds) = (accepted.moves, accepted.rebuilds);
+        if accepted.settles {
             self.settle();
         }
-        self.options = *options;
+        self.shared.set_options(accepted);
         if moves {
-            let at_rest = Morph { share: 0.0, ..self.now };
-            self.moving = mix.map(|mix| Moving::new(mix, &self.values, at_rest));
-            self.views.clear();
+            self.at = Morph { share: 0.0, ..self.now };
+            self.shared.views.clear();
             self.place(self.now);
         }
-        if rebuilt {
+        if rebuilds {
             self.invalidate();
         }
         Ok(())
     }
 
     fn tolerance_factor(&self) -> f32 {
-        self.factor
+        self.shared.factor()
     }
 
     fn set_tolerance_factor(&mut self, factor: f32) {
-        if factor > 0.0 && factor.is_finite() {
-            self.factor = factor;
-        }
+        self.shared.set_factor(factor);
     }
 
     fn refinements(&self) -> usize {
@@ -373,7 +332,7 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn vertex_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.values()[..self.buffered()])
+        self.shared.vertex_bytes(self.prefix())
     }
 
     fn vertex_size(&self) -> usize {
@@ -381,7 +340,7 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn shares_vertices(&self) -> bool {
-        self.options.buffer == VertexBuffer::Shared && self.moving.is_none()
+        self.shared.shares_vertices()
     }
 
     fn shares_triangles(&self) -> bool {
@@ -389,7 +348,7 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn morph(&self) -> Option<MorphUniform> {
-        self.moving.is_none().then(|| self.gmesh().uniform(self.now))
+        (!self.shared.moves()).then(|| self.gmesh().uniform(self.now))
     }
 
     fn dirty_triangles(&self, group: usize, _: usize) -> DirtyRanges<'_> {
@@ -398,7 +357,7 @@ impl<V: Vertex> Lod for GmeshLod<V> {
     }
 
     fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
-        self.dirty_vertices.ranges(self.buffered(), gap)
+        self.shared.dirty_vertices(self.prefix(), gap)
     }
 
     fn uploads(&self) -> Uploads<'_> {
@@ -409,29 +368,23 @@ impl<V: Vertex> Lod for GmeshLod<V> {
         Draws::new(self)
     }
 
-    /// Clears the marks of triangles and buffered vertices. Other vertices keep their marks: nobody uploaded them.
     fn clean(&mut self) {
         self.unwritten = false;
-        let buffered = self.buffered();
-        self.dirty_vertices.clear_range(0..buffered);
+        self.shared.clean(self.prefix());
     }
 
     fn invalidate(&mut self) {
         self.unwritten = true;
-        self.dirty_vertices.clear();
-        if !self.shares_vertices() {
-            self.dirty_vertices.mark_all(self.values.len());
-        }
+        self.shared.invalidate();
     }
 
     fn to_mesh(&self) -> Mesh {
         // Without moving vertices, the buffer holds them at rest.
-        let share = if self.moving.is_some() { self.now.share } else { 0.0 };
+        let share = if self.shared.moves() { self.now.share } else { 0.0 };
         self.model.mesh_at(Morph { share, ..self.now })
     }
 
     fn memory(&self) -> usize {
-        let moving = self.moving.as_ref().map_or(0, |moving| size_of_val(&moving.drawn[..]));
-        self.dirty_vertices.memory() + self.views.capacity() * size_of::<ObjectView>() + moving
+        self.shared.memory()
     }
 }

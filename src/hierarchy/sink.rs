@@ -1,6 +1,6 @@
 //! Applies splits and collapses to the drawn mesh: to its surface, and to its moving vertices.
 
-use crate::adapt::RefinementSink;
+use crate::adapt::{RefinementSink, Weights};
 use crate::lod::Vertex;
 
 use super::vertices::Vertices;
@@ -22,8 +22,8 @@ impl<V: Vertex> RefinementSink for Sink<'_, V> {
         self.hierarchy.owned(split).len()
     }
 
-    fn advance(&mut self, progress: f32) {
-        self.vertices.advance(self.hierarchy, progress);
+    fn advance(&mut self, weights: &Weights) {
+        self.vertices.advance(self.hierarchy, weights);
     }
 
     #[inline]
@@ -38,11 +38,7 @@ impl<V: Vertex> RefinementSink for Sink<'_, V> {
         self.vertices.end(self.hierarchy, split);
     }
 
-    fn close(&mut self, split: u32) {
-        self.vertices.turn(self.hierarchy, split, true);
-    }
-
-    fn reopen(&mut self, split: u32) {
-        self.vertices.turn(self.hierarchy, split, false);
+    fn turn(&mut self, split: u32) {
+        self.vertices.turn(self.hierarchy, split);
     }
 }

@@ -11,7 +11,7 @@
 //!
 //! Only moving vertices cost anything: entries are a list, with the entry's place per vertex.
 
-use crate::adapt::{Dirty, DirtyRanges};
+use crate::adapt::{Dirty, DirtyRanges, Transition, Weights};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 
@@ -20,12 +20,11 @@ use super::{CutSurface, VertexHierarchy};
 #[derive(Debug, Clone)]
 struct Entry<V> {
     vertex: u32,
+    /// The split which brings the vertex. Its transition is the vertex's.
+    split: u32,
     start: V,
     /// Current value.
     shown: V,
-    /// Share of the way travelled.
-    weight: f32,
-    closing: bool,
     /// Whether `shown` is up to date in this frame.
     done: bool,
 }
@@ -103,10 +102,10 @@ impl<V: Vertex> Vertices<V> {
         self.moving.as_ref().map_or(0, |moving| moving.entries.len())
     }
 
-    /// Advances all moving vertices by a share of their way.
-    pub fn advance(&mut self, hierarchy: &VertexHierarchy, progress: f32) {
+    /// Moves all moving vertices to where the weights of their splits place them.
+    pub fn advance(&mut self, hierarchy: &VertexHierarchy, weights: &Weights) {
         if let Some(moving) = &mut self.moving {
-            moving.advance(hierarchy, &self.values, progress);
+            moving.advance(hierarchy, &self.values, weights);
         }
     }
 
@@ -118,10 +117,10 @@ impl<V: Vertex> Vertices<V> {
         }
     }
 
-    /// Turns the vertices of a split towards their substitutes if `closing`, else towards their own places.
-    pub fn turn(&mut self, hierarchy: &VertexHierarchy, split: u32, closing: bool) {
+    /// Starts the vertices of a split anew from where they are, as their split's transition does.
+    pub fn turn(&mut self, hierarchy: &VertexHierarchy, split: u32) {
         if let Self { moving: Some(moving), values, .. } = self {
-            moving.turn(hierarchy, values, split, closing);
+            moving.turn(hierarchy, values, split);
         }
     }
 
@@ -203,8 +202,8 @@ impl<V: Vertex> Moving<V> {
         self.entry(vertex).map_or(values[vertex as usize], |entry| entry.shown)
     }
 
-    fn start(&mut self, vertex: u32, from: V, closing: bool) {
-        let entry = Entry { vertex, start: from, shown: from, weight: 0.0, closing, done: true };
+    fn start(&mut self, split: u32, vertex: u32, from: V) {
+        let entry = Entry { vertex, split, start: from, shown: from, done: true };
         match self.entry_of[vertex as usize] {
             NONE => {
                 self.entry_of[vertex as usize] = self.entries.len() as u32;
@@ -229,7 +228,7 @@ impl<V: Vertex> Moving<V> {
         for &vertex in hierarchy.brings.get(split).iter().rev() {
             if smoothly {
                 let from = self.shown(values, hierarchy.substitute[vertex as usize]);
-                self.start(vertex, from, false);
+                self.start(split, vertex, from);
             } else {
                 self.remove(vertex);
                 self.rested.push(vertex);
@@ -237,10 +236,10 @@ impl<V: Vertex> Moving<V> {
         }
     }
 
-    fn turn(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32, closing: bool) {
+    fn turn(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32) {
         for &vertex in hierarchy.brings.get(split) {
             let from = self.shown(values, vertex);
-            self.start(vertex, from, closing);
+            self.start(split, vertex, from);
         }
     }
 
@@ -250,47 +249,41 @@ impl<V: Vertex> Moving<V> {
 
     /// Computes the current value of an entry. If the entry moves to its substitute, computes the substitute's value
     /// first.
-    fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], at: usize) {
+    fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights, at: usize) {
         self.chain.clear();
         let mut next = at as u32;
         while let Some(entry) = self.entries.get(next as usize).filter(|entry| !entry.done) {
             self.chain.push(next);
-            if !entry.closing {
+            if !weights.of(entry.split).is_some_and(Transition::is_closing) {
                 break;
             }
             next = self.entry_of[hierarchy.substitute[entry.vertex as usize] as usize];
         }
         while let Some(at) = self.chain.pop() {
-            let Entry { vertex, start, weight, closing, .. } = self.entries[at as usize];
-            let goal = if closing {
-                self.shown(values, hierarchy.substitute[vertex as usize])
-            } else {
-                values[vertex as usize]
+            let Entry { vertex, split, start, .. } = self.entries[at as usize];
+            let (goal, share) = match weights.of(split) {
+                Some(t) if t.is_closing() => {
+                    (self.shown(values, hierarchy.substitute[vertex as usize]), t.share)
+                }
+                transition => (values[vertex as usize], transition.map_or(1.0, |t| t.share)),
             };
-            let shown = (self.mix.blend)(&start, &goal, weight);
+            let shown = (self.mix.blend)(&start, &goal, share);
             let entry = &mut self.entries[at as usize];
             entry.shown = shown;
             entry.done = true;
         }
     }
 
-    fn advance(&mut self, hierarchy: &VertexHierarchy, values: &[V], progress: f32) {
-        for entry in &mut self.entries {
-            entry.weight = (entry.weight + progress).min(1.0);
-            entry.done = false;
-        }
+    fn advance(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights) {
+        self.entries.iter_mut().for_each(|entry| entry.done = false);
         for at in 0..self.entries.len() {
-            self.find(hierarchy, values, at);
+            self.find(hierarchy, values, weights, at);
         }
-        let mut at = 0;
-        while at < self.entries.len() {
-            let Entry { vertex, weight, closing, .. } = self.entries[at];
-            if !closing && weight >= 1.0 {
-                self.remove(vertex);
-                self.rested.push(vertex);
-            } else {
-                at += 1;
-            }
+        let there =
+            weights.all().iter().filter(|transition| transition.is_over() && !transition.is_closing());
+        for &vertex in there.flat_map(|transition| hierarchy.brings.get(transition.refinement)) {
+            self.remove(vertex);
+            self.rested.push(vertex);
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Common parts of instances refined by view: the cut asked for by the views, and the refinements drawn on the way
 //! there.
 
-use crate::adapt::{Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, is_done};
+use crate::adapt::{
+    AT_REST, Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, Weights, is_done,
+};
 use crate::view::{Answer, Criterion, Motion, ObjectView};
 
 use super::LodOptions;
@@ -51,6 +53,11 @@ impl Driver {
     /// Holds if refinement `r` is drawn. Under limits, this may differ from being in the cut.
     pub fn shows(&self, r: u32) -> bool {
         self.limits.as_ref().map_or_else(|| self.cut.holds(r), |limits| limits.shows(r))
+    }
+
+    /// Refinements in transition.
+    pub fn weights(&self) -> &Weights {
+        self.limits.as_ref().map_or(&AT_REST, |limits| limits.weights())
     }
 
     /// Asks about every refinement in the next call.

@@ -53,4 +53,4 @@ pub use structure::{FromSequence, Progress, Structure, VertexRank};
 pub use uploads::{Draw, Draws, Upload, Uploads};
 pub(crate) use values::Mix;
 pub use values::{Values, Vertex};
-pub(crate) use whole::{Allowed, Whole};
+pub(crate) use whole::{Allowed, Whole, WholeInstance};

@@ -25,7 +25,7 @@ pub(super) struct Motion {
 impl Motion {
     /// Returns the motion that takes `from` to `to`, two points each at equal distances.
     fn between(from: [DVec2; 2], to: [DVec2; 2]) -> Self {
-        let turn = (from[1] - from[0]).conjugate().rotate(to[1] - to[0]).normalize_or(DVec2::X);
+        let turn = conjugate(from[1] - from[0]).rotate(to[1] - to[0]).normalize_or(DVec2::X);
         Self { turn, shift: to[0] - turn.rotate(from[0]) }
     }
 
@@ -34,19 +34,13 @@ impl Motion {
     }
 
     pub fn undo(&self, point: DVec2) -> DVec2 {
-        self.turn.conjugate().rotate(point - self.shift)
+        conjugate(self.turn).rotate(point - self.shift)
     }
 }
 
-trait Conjugate {
-    fn conjugate(self) -> Self;
-}
-
-impl Conjugate for DVec2 {
-    /// As a complex number.
-    fn conjugate(self) -> Self {
-        DVec2::new(self.x, -self.y)
-    }
+/// The conjugate of a complex number: turns by it are undone.
+fn conjugate(turn: DVec2) -> DVec2 {
+    DVec2::new(turn.x, -turn.y)
 }
 
 /// What lies across a side of a base face.

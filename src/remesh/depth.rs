@@ -39,13 +39,14 @@ const DEEPEST_FOR_ERROR: usize = 12;
 const DEEPEST_FOR_FOLDS: usize = 8;
 
 impl Depth {
+    /// Subdivides. Returns how many faces were left facing away from the mesh, as far as that was looked at.
     pub(super) fn subdivide(
         self,
         map: &Parameterisation,
         mesh: &Mesh,
         builder: &mut WaveletBuilder,
         place: impl Fn(&DomainPoint) -> [f32; 3],
-    ) -> Result<(), RemeshError> {
+    ) -> Result<usize, RemeshError> {
         match self {
             Self::Levels(levels) if levels > DEEPEST => {
                 let (option, value) = ("levels", levels as f64);
@@ -55,14 +56,14 @@ impl Depth {
                 for _ in 0..levels {
                     builder.subdivide(|midpoint| place(&midpoint.domain))?;
                 }
-                Ok(())
+                Ok(0)
             }
             Self::Error(error) if error.is_nan() || error < 0.0 => {
                 let (option, value) = ("error", f64::from(error));
                 Err(OptionError::OutOfRange { option, value, expected: "0 or more" }.into())
             }
             Self::Error(error) => {
-                let mut split = Splits::new(map, mesh, f64::from(error)).levels;
+                let Splits { levels: mut split, folded } = Splits::new(map, mesh, f64::from(error));
                 balance(&BaseEdges::new(map.base()), &mut split);
                 for (level, cells) in split.iter().enumerate() {
                     builder.subdivide_where(
@@ -73,7 +74,7 @@ impl Depth {
                         |midpoint| place(&midpoint.domain),
                     )?;
                 }
-                Ok(())
+                Ok(folded)
             }
         }
     }
@@ -97,6 +98,8 @@ fn balance(edges: &BaseEdges, split: &mut [Vec<Cell>]) {
 /// Cells to split, by level, ascending.
 struct Splits {
     levels: Vec<Vec<Cell>>,
+    /// Cells left facing away from the mesh.
+    folded: usize,
 }
 
 impl Splits {
@@ -104,17 +107,18 @@ impl Splits {
         let over = vertices_over(map, mesh);
         let faces = parallel::map(map.base().triangles().len(), 1, |face| {
             let vertices = over.get(face as u32).iter().map(|&vertex| &over.points[vertex as usize]);
-            let mut of_face = OfFace { map, mesh, tolerance, levels: Vec::new() };
+            let mut of_face = OfFace { map, mesh, tolerance, levels: Vec::new(), folded: 0 };
             of_face.visit(Cell::base(face as u32), 0, vertices.copied().collect());
-            of_face.levels
+            (of_face.levels, of_face.folded)
         });
-        let depth = faces.iter().map(Vec::len).max().unwrap_or(0);
-        let mut levels = vec![Vec::new(); depth];
+        let depth = faces.iter().map(|face| face.0.len()).max().unwrap_or(0);
+        let (mut levels, mut folded) = (vec![Vec::new(); depth], 0);
         for face in faces {
-            levels.iter_mut().zip(face).for_each(|(all, own)| all.extend(own));
+            levels.iter_mut().zip(face.0).for_each(|(all, own)| all.extend(own));
+            folded += face.1;
         }
         levels.iter_mut().for_each(|cells| cells.sort_unstable());
-        Self { levels }
+        Self { levels, folded }
     }
 }
 
@@ -163,6 +167,7 @@ struct OfFace<'a> {
     mesh: &'a Mesh,
     tolerance: f64,
     levels: Vec<Vec<Cell>>,
+    folded: usize,
 }
 
 /// Points with a barycentric coordinate below this are on the side opposite of the corner.
@@ -203,7 +208,7 @@ impl OfFace<'_> {
         }
     }
 
-    fn is_split(&self, cell: Cell, level: usize, vertices: &[Over]) -> bool {
+    fn is_split(&mut self, cell: Cell, level: usize, vertices: &[Over]) -> bool {
         let at = |weights: [f64; 3]| {
             let point = self.map.to_mesh(&DomainPoint::new(cell.base, cell.point(level, weights)));
             point.and_then(|point| Some((DVec3::from_array(point.position(self.mesh)?), point)))
@@ -241,7 +246,12 @@ impl OfFace<'_> {
             let points = [a.1, b.1, c.1, middle];
             points.iter().all(|point| own.dot(normal_at(self.mesh, point)) < 0.0)
         };
-        samples.iter().flatten().any(|sample| is_far(sample.0)) || level < DEEPEST_FOR_FOLDS && is_folded()
+        if samples.iter().flatten().any(|sample| is_far(sample.0)) {
+            return true;
+        }
+        let is_folded = is_folded();
+        self.folded += usize::from(is_folded && level >= DEEPEST_FOR_FOLDS);
+        is_folded && level < DEEPEST_FOR_FOLDS
     }
 }
 

@@ -8,6 +8,7 @@ use crate::wavelet::DomainPoint;
 
 use super::Parameterisation;
 use super::cells::Cell;
+use super::corners::barycentric;
 
 /// Mean and 99th percentile of a figure, weighted by area on the base.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,16 +62,7 @@ impl Parameterisation {
         let corners = self.base().triangles()[face as usize];
         let flat = Flat::new(corners.map(|v| self.base().positions()[v as usize]), f64::from(n));
         let mut of_face = OfFace { area: flat.area, ..OfFace::default() };
-        // Row j holds the corners (i, j).
-        let rows: Vec<Vec<(DVec3, DVec3)>> = (0..=n)
-            .map(|j| {
-                let at = |i: u16| {
-                    let [u, v] = [i, j].map(|x| f64::from(x) / f64::from(n));
-                    self.point_and_normal(mesh, face, [1.0 - u - v, u, v])
-                };
-                (0..=n - j).map(at).collect()
-            })
-            .collect();
+        let rows = self.rows(mesh, face, level);
         for cell in Cell::of_level(face, level) {
             let points = cell.corners().map(|[i, j]| rows[usize::from(j)][usize::from(i)]);
             let [a, b, c] = points.map(|point| point.0);
@@ -89,8 +81,16 @@ impl Parameterisation {
         of_face
     }
 
+    /// Returns the points of the mesh at the corners of a level's cells, with the normals of their triangles: row j holds the
+    /// corners (i, j).
+    pub(super) fn rows(&self, mesh: &Mesh, face: u32, level: usize) -> Vec<Vec<(DVec3, DVec3)>> {
+        let n = 1u16 << level;
+        let at = |i, j| self.point_and_normal(mesh, face, barycentric(level, [i, j]));
+        (0..=n).map(|j| (0..=n - j).map(|i| at(i, j)).collect()).collect()
+    }
+
     /// Returns the point of the mesh at a place on the base, and the normal of its triangle.
-    fn point_and_normal(&self, mesh: &Mesh, face: u32, weights: [f64; 3]) -> (DVec3, DVec3) {
+    pub(super) fn point_and_normal(&self, mesh: &Mesh, face: u32, weights: [f64; 3]) -> (DVec3, DVec3) {
         let point = self.to_mesh(&DomainPoint::new(face, weights));
         let found =
             point.and_then(|point| Some((DVec3::from_array(point.position(mesh)?), normal_at(mesh, &point))));

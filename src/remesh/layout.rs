@@ -180,14 +180,8 @@ impl Layout {
     fn flat(&self, patch: &Patch, after: bool, triangle: usize, weights: [f64; 3]) -> DVec2 {
         let ring = self.ring(patch);
         let hub = patch.hubs[usize::from(after)];
-        let [i, j] = if hub == INSIDE {
-            [triangle, (triangle + 1) % ring.len()]
-        } else {
-            // Triangles start behind the hub, or before it: two sides of the ring have the hub.
-            let hub = usize::from(hub);
-            let mut sides = Self::fan(ring.len(), patch.closed, hub as u16);
-            sides.nth(triangle).unwrap_or([hub; 2])
-        };
+        let mut sides = Self::fan(ring.len(), patch.closed, hub);
+        let [i, j] = sides.nth(triangle).unwrap_or_default();
         weights[0] * self.hub(patch, after)
             + weights[1] * DVec2::from_array(ring[i])
             + weights[2] * DVec2::from_array(ring[j])

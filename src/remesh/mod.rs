@@ -15,12 +15,14 @@
 //! | `flatten.rs` | the star of a vertex in the plane |
 //! | `coarsen.rs` | from a mesh to a base, with the map of every collapse |
 //! | `layout.rs` | the list of maps; points travel both ways |
+//! | `corners.rs` | the corners of the cells of a level, numbered |
 //! | `charts.rs` | base faces in the plane, with the faces across their sides |
 //! | `warp.rs` | a map of the base onto itself, linear on cells |
 //! | `smooth.rs` | the map of the base onto itself that makes the whole map smooth |
 //! | `parameterisation.rs` | [`Parameterisation`]: base, and the map between mesh and base |
 //! | `distortion.rs` | [`Distortion`]: how far the map is from keeping angles and areas |
 //! | `cells.rs` | faces of a subdivided base by number, and their neighbours |
+//! | `unfold.rs` | moves corners of cells that face away from the mesh |
 //! | `depth.rs` | [`Depth`]: which faces to split |
 //! | `bake/` | [`BakedTexture`], [`NormalMap`]: the mesh's textures, colours and normals for the atlas of a remesh |
 //! | `error.rs` | [`RemeshError`] |
@@ -29,6 +31,7 @@ mod bake;
 mod cells;
 mod charts;
 mod coarsen;
+mod corners;
 mod depth;
 mod distortion;
 mod error;
@@ -40,6 +43,7 @@ mod parameterisation;
 mod remesher;
 mod sectors;
 mod smooth;
+mod unfold;
 mod warp;
 
 pub use bake::{BakedTexture, NormalMap, NormalSpace, Texture};
@@ -47,5 +51,5 @@ pub use depth::Depth;
 pub use distortion::{Distortion, Spread};
 pub use error::RemeshError;
 pub use features::{Creasing, Features};
-pub use parameterisation::Parameterisation;
+pub use parameterisation::{Parameterisation, Remesh};
 pub use remesher::{Remesher, Smoothing};

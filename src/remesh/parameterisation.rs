@@ -9,11 +9,12 @@ use crate::lod::Baked;
 use crate::mesh::{Mesh, MeshPoint, NONE, names};
 use crate::wavelet::{DomainPoint, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions};
 
-use super::cells::BaseEdges;
+use super::cells::{BaseEdges, DEEPEST};
 use super::coarsen::Coarse;
 use super::layout::{Layout, Place};
 use super::sectors::Sectors;
 use super::smooth::{Target, smooth};
+use super::unfold::{Unfolded, unfold};
 use super::warp::Warp;
 use super::{Depth, RemeshError, Smoothing};
 
@@ -161,10 +162,11 @@ impl Parameterisation {
         depth: Depth,
         options: &WaveletOptions,
     ) -> Result<Baked<WaveletMesh>, RemeshError> {
-        self.bake_with(mesh, depth, options, |_| ControlFlow::Continue(()))
+        Ok(self.bake_with(mesh, depth, options, |_| ControlFlow::Continue(()))?.model)
     }
 
-    /// Remeshes with progress: the share done, 0 to 1. Where `progress` breaks, the run ends.
+    /// Remeshes with progress: the share done, 0 to 1. Where `progress` breaks, the run ends. Also returns how many triangles
+    /// had to be unfolded.
     ///
     /// # Errors
     /// Another number of triangles, too many faces, or `progress` breaks.
@@ -174,21 +176,28 @@ impl Parameterisation {
         depth: Depth,
         options: &WaveletOptions,
         mut progress: impl FnMut(f32) -> ControlFlow<()>,
-    ) -> Result<Baked<WaveletMesh>, RemeshError> {
+    ) -> Result<Remesh, RemeshError> {
         if mesh.triangles().len() != self.source_triangles {
             let (found, expected) = (mesh.triangles().len(), self.source_triangles);
             return Err(WaveletError::Length { what: "triangles", found, expected }.into());
         }
         let mesh = &*self.with_smooth_normals(mesh);
         let mut builder = WaveletBuilder::new(&self.posed_base(mesh))?;
-        let at = |domain: &DomainPoint| self.to_mesh(domain).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]));
+        let unfolded = match depth {
+            Depth::Levels(levels) if levels <= DEEPEST => unfold(self, mesh, levels),
+            _ => Unfolded::default(),
+        };
+        let at = |domain: &DomainPoint| {
+            self.to_mesh(&unfolded.apply(domain)).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]))
+        };
         let place = |domain: &DomainPoint| at(domain).position(mesh).unwrap_or_default().map(|x| x as f32);
-        depth.subdivide(self, mesh, &mut builder, place)?;
+        let left = depth.subdivide(self, mesh, &mut builder, place)?;
         if progress(PLACING).is_break() {
             return Err(RemeshError::Cancelled);
         }
         let rest = |share: f32| progress(PLACING + (1.0 - PLACING) * share);
-        Ok(builder.bake_from(mesh, options, |domain| at(domain), rest)?)
+        let [found, folded] = if left > 0 { [left; 2] } else { unfolded.folded };
+        Ok(Remesh { model: builder.bake_from(mesh, options, at, rest)?, unfolded: found - folded, folded })
     }
 
     /// Returns the mesh with normals smooth up to features, where its own are hard everywhere.
@@ -232,6 +241,19 @@ impl Parameterisation {
             + size_of_val(&self.faces[..])
             + size_of_val(&self.smooth_over[..])
     }
+}
+
+/// A remesh, and what had to be done.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Remesh {
+    /// The model: a wavelet mesh with the attributes of the mesh.
+    pub model: Baked<WaveletMesh>,
+    /// Triangles of the full resolution which faced away from the mesh, at their corners and in the middle, until corners
+    /// were moved. Each lies beside folds of the mesh finer than itself.
+    pub unfolded: usize,
+    /// Triangles which still face away.
+    pub folded: usize,
 }
 
 fn normalised(weights: [f64; 3]) -> Option<[f64; 3]> {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
-use crate::simplify::metric::{ErrorMetric, MemorylessQuadric};
+use crate::simplify::metric::{Borrowed, ErrorMetric, MemorylessQuadric};
 
 use super::coarsen::coarsen;
 use super::parameterisation::Parameterisation;
@@ -125,7 +125,7 @@ impl<M: ErrorMetric> Remesher<M> {
         if !sectors.is_face.contains(&true) {
             return Err(RemeshError::Empty);
         }
-        let coarse = coarsen(&sectors, &mut self.metric, self.base_faces, &mut progress)?;
+        let coarse = coarsen(&sectors, Borrowed(&mut self.metric), self.base_faces, &mut progress)?;
         let map = Parameterisation::new(mesh, &sectors, coarse, self.smoothing);
         if progress(1.0).is_break() { Err(RemeshError::Cancelled) } else { Ok(map) }
     }

@@ -16,10 +16,11 @@ use glam::{DVec2, DVec3};
 
 use crate::mesh::Mesh;
 
-use super::cells::{BaseEdges, Cell};
+use super::cells::BaseEdges;
 use super::charts::Charts;
+use super::corners::Corner;
 use super::layout::{Layout, Place};
-use super::warp::{Corner, Warp};
+use super::warp::Warp;
 
 /// Passes over the corners, from the second coarsest level on: many where corners are few.
 const PASSES: [usize; 4] = [6, 4, 3, 2];
@@ -64,30 +65,20 @@ pub(super) fn smooth(target: &Target<'_>, level: usize) -> Warp {
 
 /// Returns the same map for the cells of the next level.
 fn halved(target: &Target<'_>, coarse: &Warp) -> Warp {
-    let level = coarse.level + 1;
+    let level = coarse.corners.level + 1;
     let mut warp = Warp::new(target.base, target.edges, level, coarse.charts.clone());
-    let n = 1u16 << level;
-    for face in 0..target.base.triangles().len() as u32 {
-        for i in 0..=n {
-            for j in 0..=n - i {
-                let to = warp.corner(face, [i, j]);
-                let corner = match to {
-                    Corner::Inner(corner) => corner,
-                    Corner::Side(_, corner) if warp.home(corner) == face => corner,
-                    _ => continue,
-                };
-                // The ends of the coarser edge whose middle this is.
-                let (a, b) = match (i % 2, j % 2) {
-                    (0, 0) => ([i / 2, j / 2], [i / 2, j / 2]),
-                    (1, 0) => ([i / 2, j / 2], [i / 2 + 1, j / 2]),
-                    (0, _) => ([i / 2, j / 2], [i / 2, j / 2 + 1]),
-                    _ => ([i / 2 + 1, j / 2], [i / 2, j / 2 + 1]),
-                };
-                let middle = 0.5 * (coarse.in_chart(face, a) + coarse.in_chart(face, b));
-                warp.set_place(corner, middle);
-            }
-        }
-    }
+    let Warp { corners, places, .. } = &mut warp;
+    corners.for_all(|face, [i, j], _, number| {
+        // The ends of the coarser edge whose middle this is.
+        let (x, y) = (i / 2, j / 2);
+        let [a, b] = match (i % 2, j % 2) {
+            (0, 0) => [[x, y], [x, y]],
+            (1, 0) => [[x, y], [x + 1, y]],
+            (0, _) => [[x, y], [x, y + 1]],
+            _ => [[x + 1, y], [x, y + 1]],
+        };
+        places[number as usize] = 0.5 * (coarse.in_chart(face, a) + coarse.in_chart(face, b));
+    });
     warp
 }
 
@@ -115,29 +106,15 @@ struct Around {
 
 impl<'a> Smoothing<'a> {
     fn new(target: &'a Target<'a>, warp: Warp) -> Self {
-        let n = 1u16 << warp.level;
-        let faces = target.base.triangles().len() as u32;
-        let corners = warp.corner_count();
-        let mut positions = vec![DVec3::ZERO; corners + target.base.positions().len()];
-        for face in 0..faces {
-            for i in 0..=n {
-                for j in 0..=n - i {
-                    let corner = match warp.corner(face, [i, j]) {
-                        Corner::Fixed(k) => {
-                            let vertex = target.base.triangles()[face as usize][k] as usize;
-                            let at = target.base.positions()[vertex].map(f64::from);
-                            positions[corners + vertex] = DVec3::from_array(at);
-                            continue;
-                        }
-                        Corner::Inner(corner) => corner,
-                        Corner::Side(_, corner) if warp.home(corner) == face => corner,
-                        Corner::Side(..) => continue,
-                    };
-                    let place = warp.charts.locate(face, warp.place(corner)).0;
-                    positions[corner as usize] = target.position(place);
-                }
-            }
-        }
+        let triangles = target.base.triangles();
+        let (faces, corners) = (triangles.len() as u32, warp.corners.count());
+        let fixed = target.base.positions().iter().map(|&p| DVec3::from_array(p.map(f64::from)));
+        let mut positions: Vec<DVec3> = vec![DVec3::ZERO; corners];
+        positions.extend(fixed);
+        warp.corners.for_all(|face, _, _, number| {
+            let place = warp.charts.locate(face, warp.places[number as usize]).0;
+            positions[number as usize] = target.position(place);
+        });
         let cotangents = (0..faces).map(|face| {
             let c = warp.charts.corners(face);
             [0, 1, 2].map(|k| {
@@ -149,22 +126,12 @@ impl<'a> Smoothing<'a> {
     }
 
     fn pass(&mut self) {
-        let n = 1u16 << self.warp.level;
-        for face in 0..self.target.base.triangles().len() as u32 {
-            for i in 0..=n {
-                for j in 0..=n - i {
-                    match self.warp.corner(face, [i, j]) {
-                        Corner::Inner(corner) => self.relax(face, [i, j], corner, None),
-                        Corner::Side(side, corner) if self.warp.home(corner) == face => {
-                            if self.warp.charts.beyond(face, side).is_some() {
-                                self.relax(face, [i, j], corner, Some(side));
-                            }
-                        }
-                        _ => {}
-                    }
-                }
-            }
-        }
+        let corners = self.warp.corners.clone();
+        corners.for_all(|face, at, corner, number| match corner {
+            Corner::Side(side, _) if self.warp.charts.beyond(face, side).is_none() => {}
+            Corner::Side(side, _) => self.relax(face, at, number, Some(side)),
+            _ => self.relax(face, at, number, None),
+        });
     }
 
     /// Moves a corner, placed in the chart of `face`, on `side` if on an edge.
@@ -172,17 +139,9 @@ impl<'a> Smoothing<'a> {
         let mut ring = std::mem::take(&mut self.ring);
         ring.clear();
         self.collect(face, at, &mut ring, |place| place);
-        if let Some((side, beyond)) =
-            side.and_then(|side| Some((side, *self.warp.charts.beyond(face, side)?)))
-        {
-            let n = 1u16 << self.warp.level;
-            let along = [at[0], at[1], n - at[1]][side];
-            let along = n - along;
-            let there = match beyond.side {
-                0 => [along, 0],
-                1 => [n - along, along],
-                _ => [0, n - along],
-            };
+        let across = side.and_then(|side| Some((side, self.warp.charts.beyond(face, side)?)));
+        if let Some((side, beyond)) = across {
+            let there = self.warp.corners.across(at, side, beyond.side);
             self.collect(beyond.face, there, &mut ring, |place| beyond.motion.apply(place));
         }
         self.step(face, corner, side, &ring);
@@ -190,31 +149,18 @@ impl<'a> Smoothing<'a> {
     }
 
     /// Collects the cells of a base face around a corner, with places moved to the corner's chart.
-    fn collect(&self, face: u32, [i, j]: [u16; 2], ring: &mut Vec<Around>, motion: impl Fn(DVec2) -> DVec2) {
-        let n = 1i32 << self.warp.level;
-        let (i, j) = (i32::from(i), i32::from(j));
-        let cells = [
-            (i, j, false, 0),
-            (i - 1, j, false, 1),
-            (i, j - 1, false, 2),
-            (i - 1, j - 1, true, 0),
-            (i, j - 1, true, 1),
-            (i - 1, j, true, 2),
-        ];
+    fn collect(&self, face: u32, at: [u16; 2], ring: &mut Vec<Around>, motion: impl Fn(DVec2) -> DVec2) {
+        let n = f64::from(self.warp.corners.along());
         let c = self.warp.charts.corners(face);
-        let area = (c[1] - c[0]).perp_dot(c[2] - c[0]) / f64::from(n * n);
-        for (i, j, down, k) in cells {
-            if i < 0 || j < 0 || i + j > n - 1 - i32::from(down) {
-                continue;
-            }
-            let cell = Cell { base: face, i: i as u16, j: j as u16, down };
+        let area = (c[1] - c[0]).perp_dot(c[2] - c[0]) / (n * n);
+        let cotangents = self.cotangents[face as usize];
+        for (cell, k) in self.warp.corners.cells(face, at) {
             let others = [(k + 1) % 3, (k + 2) % 3];
             let corners = cell.corners();
-            let cotangents = self.cotangents[face as usize];
             ring.push(Around {
                 places: others.map(|o| motion(self.warp.in_chart(face, corners[o]))),
                 positions: others.map(|o| self.position(face, corners[o])),
-                // The edge to a corner is opposite of the other one.
+                // The edge to a corner is opposite of the other corner.
                 weights: [cotangents[others[1]], cotangents[others[0]]],
                 area,
             });
@@ -222,9 +168,9 @@ impl<'a> Smoothing<'a> {
     }
 
     fn position(&self, face: u32, at: [u16; 2]) -> DVec3 {
-        let number = match self.warp.corner(face, at) {
+        let number = match self.warp.corners.of(face, at) {
             Corner::Fixed(k) => {
-                self.warp.corner_count() + self.target.base.triangles()[face as usize][k] as usize
+                self.warp.corners.count() + self.target.base.triangles()[face as usize][k] as usize
             }
             Corner::Inner(corner) | Corner::Side(_, corner) => corner as usize,
         };
@@ -232,7 +178,7 @@ impl<'a> Smoothing<'a> {
     }
 
     fn step(&mut self, face: u32, corner: u32, side: Option<usize>, ring: &[Around]) {
-        let (place, position) = (self.warp.place(corner), self.positions[corner as usize]);
+        let (place, position) = (self.warp.places[corner as usize], self.positions[corner as usize]);
         let edges = || {
             ring.iter()
                 .flat_map(|around| (0..2).map(|k| (around.places[k], around.positions[k], around.weights[k])))
@@ -270,7 +216,7 @@ impl<'a> Smoothing<'a> {
             let Some(found) = self.allowed(face, side, to) else { continue };
             let position = self.target.position(found);
             if energy(position) < before {
-                self.warp.set_place(corner, to);
+                self.warp.places[corner as usize] = to;
                 self.positions[corner as usize] = position;
                 return;
             }

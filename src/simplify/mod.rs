@@ -31,7 +31,7 @@ mod simplifier;
 mod surface;
 
 pub use grow::Growth;
-pub use metric::{Batch, ErrorMetric, Pair, VanishingLoss};
+pub use metric::{Batch, ErrorMetric, MetricEvent, MetricProperties, Pair};
 pub use normals::Normals;
 pub use options::{
     AttributeWeights, ErrorMeasure, Guard, Independence, OptionError, Order, Parts, Progress, Target,

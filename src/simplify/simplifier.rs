@@ -6,7 +6,7 @@ use crate::mesh::{Mesh, Tolerances, names};
 use crate::sequence::{CollapseSequence, NormalsDone};
 
 use super::engine::{Engine, Plan};
-use super::metric::{Batch, ErrorMetric, Quadric, WithAttributes};
+use super::metric::{Batch, Borrowed, ErrorMetric, Quadric, WithAttributes};
 use super::normals::Normals;
 use super::options::{
     AttributeWeights, ErrorMeasure, Guard, Independence, Limits, OptionError, Order, Parts, Progress, Target,
@@ -303,7 +303,7 @@ impl<M: ErrorMetric> Simplifier<M> {
             let run = match &attributes {
                 None => Engine::new(mesh, &mut self.metric, plan).run(mesh, &mut progress),
                 Some(attributes) => {
-                    let mut metric = WithAttributes::by_default(&mut self.metric, attributes);
+                    let mut metric = WithAttributes::by_default(Borrowed(&mut self.metric), attributes);
                     Engine::new(mesh, &mut metric, plan).run(mesh, &mut progress)
                 }
             };

@@ -11,8 +11,7 @@ use std::sync::Arc;
 
 use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
 use crate::lod::{
-    Allowed, Baked, Draws, Level, Lod, LodError, LodOptions, Mix, Uploads, Values, Vertex, VertexBuffer,
-    Whole,
+    Allowed, Baked, Draws, Level, Lod, LodError, LodOptions, Uploads, Values, Vertex, Whole, WholeInstance,
 };
 use crate::mesh::{Mesh, NONE};
 use crate::view::ObjectView;
@@ -29,27 +28,13 @@ use super::{Resolution, TotallyOrderedMesh};
 #[derive(Debug, Clone)]
 pub struct TomLod<V> {
     model: Baked<TotallyOrderedMesh>,
-    options: LodOptions,
-    factor: f32,
-    views: Vec<ObjectView>,
+    shared: WholeInstance<V>,
     whole: Whole,
     /// Resolution asked for by the views, within the triangle limit.
     wanted: Resolution,
     indices: Indices,
     /// Written places of triangles, drawn or not.
     dirty_triangles: Dirty,
-    values: Values<V>,
-    /// Written vertices, in use or not.
-    dirty_vertices: Dirty,
-    moving: Option<Moving<V>>,
-}
-
-/// State of moving vertices.
-#[derive(Debug, Clone)]
-struct Moving<V> {
-    mix: Mix<V>,
-    /// Drawn value of each vertex.
-    drawn: Vec<V>,
     transition: Option<Transition>,
     /// Target of each vertex between the two resolutions of the transition.
     targets: Vec<u32>,
@@ -71,23 +56,19 @@ impl<V: Vertex> TomLod<V> {
         values: Values<V>,
         options: &LodOptions,
     ) -> Result<Self, LodError> {
-        values.check(model.structure().vertex_count())?;
-        let mix = values.mix_for(options)?;
+        let shared = WholeInstance::new(values, model.structure().vertex_count(), options)?;
         let mut indices = Indices::new(Arc::clone(model.table()?));
         let coarsest = model.structure().coarsest();
         indices.seek(coarsest, |_| {});
         let mut lod = Self {
             model: model.clone(),
-            options: *options,
-            factor: 1.0,
-            views: Vec::new(),
+            shared,
             whole: Whole::new(model.bounds()),
             wanted: coarsest,
             indices,
             dirty_triangles: Dirty::default(),
-            moving: mix.map(|mix| Moving::new(mix, &values)),
-            values,
-            dirty_vertices: Dirty::default(),
+            transition: None,
+            targets: Vec::new(),
         };
         lod.invalidate();
         Ok(lod)
@@ -105,17 +86,17 @@ impl<V: Vertex> TomLod<V> {
 
     /// Returns the drawn values of all vertices of the structure.
     pub fn values(&self) -> &[V] {
-        self.moving.as_ref().map_or(&self.values, |moving| &moving.drawn)
+        self.shared.values()
     }
 
     /// Sets the wanted resolution and moves towards it. A running transition advances by `progress`.
     fn follow(&mut self, wanted: Resolution, progress: f32) -> Change {
         let before = self.indices.resolution();
         self.wanted = wanted;
-        if progress < 1.0 && self.moving.is_some() && !self.is_above_limit() {
+        if progress < 1.0 && self.shared.moves() && !self.is_above_limit() {
             self.advance(progress);
             self.turn();
-            if self.transition().is_none() {
+            if self.transition.is_none() {
                 let to = self.step_towards(wanted);
                 self.start(to, progress);
             }
@@ -132,34 +113,34 @@ impl<V: Vertex> TomLod<V> {
         let now = self.indices.resolution();
         Change {
             cut: CutReport {
-                tests: self.views.len(),
+                tests: self.shared.views.len(),
                 splits: now.vertices().saturating_sub(before.vertices()),
                 collapses: before.vertices().saturating_sub(now.vertices()),
             },
             triangles: now.triangles(),
             pending: now.vertices().abs_diff(self.wanted.vertices()),
-            moving: self.transition().map_or(0, |t| t.fine.vertices() - t.coarse.vertices()),
-            over_budget: self.options.triangles.is_some_and(|most| now.triangles() > most),
+            moving: self.transition.map_or(0, |t| t.fine.vertices() - t.coarse.vertices()),
+            over_budget: self.shared.options().triangles.is_some_and(|most| now.triangles() > most),
         }
     }
 
     /// Returns `wanted`, or if it has too many triangles, the finest resolution within the triangle limit.
     fn within_limit(&self, wanted: Resolution) -> Resolution {
-        let Some(most) = self.options.triangles else { return wanted };
+        let Some(most) = self.shared.options().triangles else { return wanted };
         if wanted.triangles() <= most { wanted } else { self.tom().at(Level::Triangles(most)) }
     }
 
     /// Holds while more triangles are drawn than the limit allows, and fewer are possible.
     fn is_above_limit(&self) -> bool {
         let now = self.indices.resolution();
-        self.options.triangles.is_some_and(|most| now.triangles() > most)
+        self.shared.options().triangles.is_some_and(|most| now.triangles() > most)
             && now.vertices() > self.tom().coarsest().vertices()
     }
 
     /// Returns the resolution reached towards `wanted` in a single call: at most `operations` vertices away, at least a step.
     fn step_towards(&self, wanted: Resolution) -> Resolution {
         let (tom, now) = (self.tom(), self.indices.resolution());
-        let Some(most) = self.options.operations else { return wanted };
+        let Some(most) = self.shared.options().operations else { return wanted };
         if now.vertices().abs_diff(wanted.vertices()) <= most {
             return wanted;
         }
@@ -173,13 +154,9 @@ impl<V: Vertex> TomLod<V> {
         if to.vertices() < now.vertices() { to } else { tom.coarser(now).unwrap_or(now) }
     }
 
-    fn transition(&self) -> Option<&Transition> {
-        self.moving.as_ref().and_then(|moving| moving.transition.as_ref())
-    }
-
     /// Advances the transition by a share of its way, and ends it on arrival.
     fn advance(&mut self, progress: f32) {
-        let Some(Moving { transition: Some(transition), .. }) = &mut self.moving else { return };
+        let Some(transition) = &mut self.transition else { return };
         let Transition { share, opening, coarse, .. } = transition;
         *share = (*share + if *opening { progress } else { -progress }).clamp(0.0, 1.0);
         let (share, opening, coarse) = (*share, *opening, *coarse);
@@ -196,7 +173,7 @@ impl<V: Vertex> TomLod<V> {
     /// Reverses the transition where the wanted resolution lies on its other side.
     fn turn(&mut self) {
         let wanted = self.wanted.vertices();
-        let Some(Moving { transition: Some(t), .. }) = &mut self.moving else { return };
+        let Some(t) = &mut self.transition else { return };
         if t.opening && wanted <= t.coarse.vertices() || !t.opening && wanted >= t.fine.vertices() {
             t.opening = !t.opening;
         }
@@ -208,16 +185,15 @@ impl<V: Vertex> TomLod<V> {
         if to.vertices() == now.vertices() {
             return;
         }
-        if !self.whole.is_seen(&self.views) || progress >= 1.0 {
+        if !self.whole.is_seen(&self.shared.views) || progress >= 1.0 {
             return self.seek(to);
         }
         let opening = to.vertices() > now.vertices();
         let (coarse, fine) = if opening { (now, to) } else { (to, now) };
         let tom = Arc::clone(self.tom());
-        let Some(moving) = &mut self.moving else { return };
-        tom.geomorph(coarse, fine, &mut moving.targets);
+        tom.geomorph(coarse, fine, &mut self.targets);
         let share = if opening { 0.0 } else { 1.0 };
-        moving.transition = Some(Transition { coarse, fine, share, opening });
+        self.transition = Some(Transition { coarse, fine, share, opening });
         if opening {
             self.seek(fine);
             self.place();
@@ -226,22 +202,15 @@ impl<V: Vertex> TomLod<V> {
 
     /// Writes the blended values of the transition's vertices.
     fn place(&mut self) {
-        let Some(Moving { mix, drawn, transition: Some(t), targets }) = &mut self.moving else { return };
-        for (vertex, &target) in (t.coarse.vertices..t.fine.vertices).zip(&*targets) {
-            let [from, own] = [target, vertex].map(|v| self.values[v as usize]);
-            drawn[vertex as usize] = (mix.blend)(&from, &own, t.share);
-            self.dirty_vertices.mark(vertex);
-        }
+        let Some(t) = self.transition else { return };
+        let vertices = (t.coarse.vertices..t.fine.vertices).zip(&self.targets);
+        self.shared.blend(vertices.map(|(vertex, &target)| (vertex, [target, vertex])), t.share);
     }
 
     /// Ends the transition, every vertex at its own place.
     fn rest(&mut self) {
-        let Some(Moving { drawn, transition, .. }) = &mut self.moving else { return };
-        let Some(t) = transition.take() else { return };
-        for vertex in t.coarse.vertices..t.fine.vertices {
-            drawn[vertex as usize] = self.values[vertex as usize];
-            self.dirty_vertices.mark(vertex);
-        }
+        let Some(t) = self.transition.take() else { return };
+        self.shared.rest(t.coarse.vertices..t.fine.vertices);
     }
 
     fn seek(&mut self, to: Resolution) {
@@ -255,28 +224,18 @@ impl<V: Vertex> TomLod<V> {
         range.start as usize / 3..(range.start + range.count) as usize / 3
     }
 
-    /// Returns the number of vertices in the buffer.
-    fn buffered(&self) -> usize {
-        match self.options.buffer {
-            VertexBuffer::Packed => self.indices.resolution().vertices(),
-            _ => self.values.len(),
-        }
-    }
-}
-
-impl<V: Vertex> Moving<V> {
-    fn new(mix: Mix<V>, values: &[V]) -> Self {
-        Self { mix, drawn: values.to_vec(), transition: None, targets: Vec::new() }
+    /// Returns the number of vertices in use.
+    fn prefix(&self) -> usize {
+        self.indices.resolution().vertices()
     }
 }
 
 impl<V: Vertex> Lod for TomLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        let motion = Whole::motion(views, &self.views);
-        self.views.clear();
-        self.views.extend_from_slice(views);
+        let motion = Whole::motion(views, &self.shared.views);
+        self.shared.look(views);
         let tom = self.tom();
-        let vertices = match self.whole.allowed(views, self.factor) {
+        let vertices = match self.whole.allowed(views, self.shared.factor()) {
             Allowed::Nothing => tom.finest().vertices,
             Allowed::Error(error) => tom.vertices_within(error),
             Allowed::Anything => tom.base_vertices,
@@ -285,13 +244,16 @@ impl<V: Vertex> Lod for TomLod<V> {
         let wanted = if vertices == self.wanted.vertices { self.wanted } else { tom.resolution(vertices) };
         let wanted = self.within_limit(wanted);
         let diagonal = f64::from(self.whole.diagonal());
-        let progress =
-            self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
+        let progress = self
+            .shared
+            .options()
+            .geomorph
+            .map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
         self.follow(wanted, progress)
     }
 
     fn refine_fully(&mut self) -> Change {
-        self.views.clear();
+        self.shared.views.clear();
         let before = self.indices.resolution();
         self.wanted = self.within_limit(self.tom().finest());
         self.settle();
@@ -304,34 +266,28 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn options(&self) -> &LodOptions {
-        &self.options
+        self.shared.options()
     }
 
     fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
-        let mix = self.values.mix_for(options)?;
-        let moves = mix.is_some() != self.moving.is_some();
-        let rebuilt = moves || options.buffer != self.options.buffer;
-        if rebuilt || options.is_immediate() {
+        let accepted = self.shared.accept(options)?;
+        let rebuilds = accepted.rebuilds;
+        if accepted.settles {
             self.settle();
         }
-        self.options = *options;
-        if moves {
-            self.moving = mix.map(|mix| Moving::new(mix, &self.values));
-        }
-        if rebuilt {
+        self.shared.set_options(accepted);
+        if rebuilds {
             self.invalidate();
         }
         Ok(())
     }
 
     fn tolerance_factor(&self) -> f32 {
-        self.factor
+        self.shared.factor()
     }
 
     fn set_tolerance_factor(&mut self, factor: f32) {
-        if factor > 0.0 && factor.is_finite() {
-            self.factor = factor;
-        }
+        self.shared.set_factor(factor);
     }
 
     fn refinements(&self) -> usize {
@@ -356,7 +312,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn vertex_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.values()[..self.buffered()])
+        self.shared.vertex_bytes(self.prefix())
     }
 
     fn vertex_size(&self) -> usize {
@@ -364,7 +320,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn shares_vertices(&self) -> bool {
-        self.options.buffer == VertexBuffer::Shared && self.moving.is_none()
+        self.shared.shares_vertices()
     }
 
     fn dirty_triangles(&self, group: usize, gap: usize) -> DirtyRanges<'_> {
@@ -372,7 +328,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
-        self.dirty_vertices.ranges(self.buffered(), gap)
+        self.shared.dirty_vertices(self.prefix(), gap)
     }
 
     fn uploads(&self) -> Uploads<'_> {
@@ -383,22 +339,18 @@ impl<V: Vertex> Lod for TomLod<V> {
         Draws::new(self)
     }
 
-    /// Clears the marks of drawn triangles and buffered vertices. All others keep their marks: nobody uploaded them.
+    /// Clears the marks of drawn triangles and buffered vertices. All others keep theirs: nobody uploaded them.
     fn clean(&mut self) {
         for group in 0..self.groups() {
             let places = self.places(group);
             self.dirty_triangles.clear_range(places);
         }
-        let buffered = self.buffered();
-        self.dirty_vertices.clear_range(0..buffered);
+        self.shared.clean(self.prefix());
     }
 
     fn invalidate(&mut self) {
         self.dirty_triangles.mark_all(self.tom().triangle_count());
-        self.dirty_vertices.clear();
-        if !self.shares_vertices() {
-            self.dirty_vertices.mark_all(self.values.len());
-        }
+        self.shared.invalidate();
     }
 
     fn to_mesh(&self) -> Mesh {
@@ -406,9 +358,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn memory(&self) -> usize {
-        let moving = self.moving.as_ref().map_or(0, |moving| {
-            size_of_val(&moving.drawn[..]) + moving.targets.capacity() * size_of::<u32>()
-        });
-        self.indices.memory() + self.dirty_triangles.memory() + self.dirty_vertices.memory() + moving
+        let targets = self.targets.capacity() * size_of::<u32>();
+        self.indices.memory() + self.dirty_triangles.memory() + self.shared.memory() + targets
     }
 }

@@ -108,6 +108,13 @@ pub trait Criterion<B = Bounds> {
         self.test_at(bounds, scale * factor)
     }
 
+    /// [`test_scaled`](Self::test_scaled), for a `scale` that changes from view to view. The answer also says how long it
+    /// holds then: while `distance / moved + (angle + |ln(scale' / scale)|) / turned <= 1`. By default, tests at both ends
+    /// of a band of 5 %: if the two agree, the answer holds within the band, otherwise for this scale and view alone.
+    fn test_turning(&self, bounds: &B, scale: f64, factor: f64) -> Answer {
+        within_band(scale, |scale| self.test_scaled(bounds, scale, factor))
+    }
+
     /// Returns the [urgency](Self::urgency) with tolerances multiplied by `scale`. The default is `urgency / scale`.
     fn urgency_scaled(&self, bounds: &B, scale: f64) -> f64 {
         self.urgency(bounds) / scale
@@ -117,6 +124,22 @@ pub trait Criterion<B = Bounds> {
     fn sees(&self, bounds: &B) -> bool {
         let _ = bounds;
         true
+    }
+}
+
+/// Ratio of a factor to the ends of its band.
+const BAND: f64 = 1.05;
+
+/// Returns an answer for a band of factors about `scale`, from a test that never changes from no to yes as the factor grows.
+pub(super) fn within_band(scale: f64, test: impl Fn(f64) -> Answer) -> Answer {
+    let [low, high] = [scale / BAND, scale * BAND].map(&test);
+    // Less than ln(BAND).
+    let turned = 1.0 - 1.0 / BAND;
+    let held = |answer: Answer| Answer { turned: answer.turned.min(turned), ..answer };
+    match (low.refine, high.refine) {
+        (true, true) => held(low.and(high)),
+        (false, false) => held(low.or(high)),
+        _ => Answer::once(test(scale).refine),
     }
 }
 
@@ -149,6 +172,17 @@ impl<B, C: Criterion<B>> Criterion<B> for [C] {
         let mut answer = Answer::NEVER;
         for view in self {
             answer = answer.or(view.test_scaled(bounds, scale, factor));
+        }
+        answer
+    }
+
+    fn test_turning(&self, bounds: &B, scale: f64, factor: f64) -> Answer {
+        if let [one] = self {
+            return one.test_turning(bounds, scale, factor);
+        }
+        let mut answer = Answer::NEVER;
+        for view in self {
+            answer = answer.or(view.test_turning(bounds, scale, factor));
         }
         answer
     }

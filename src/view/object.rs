@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::bounds::Bounds;
 use super::camera::{ErrorKind, Eye, View, ViewError};
-use super::criteria::{Answer, Criterion, Motion};
+use super::criteria::{Answer, Criterion, Motion, within_band};
 use super::deviation::DeviationBounds;
 use super::matrix::{columns, scales};
 use super::region::angle_between;
@@ -92,6 +92,18 @@ impl View {
     }
 }
 
+/// Largest ratio of reaches between which an error that looks different from elsewhere is compared.
+const WIDEST: f64 = 7.0;
+/// Shrinks a difference by more than its rounding error.
+const SURE: f64 = 4.0 * f64::EPSILON;
+
+/// Returns a lower bound for `|ln(a / b)|`, and for `1 - a / b` where a is less than b. At most 1.
+#[inline]
+fn apart(a: f64, b: f64) -> f64 {
+    let (less, more) = if a < b { (a, b) } else { (b, a) };
+    (1.0 - less / more - SURE).max(0.0)
+}
+
 /// If a no because of the error holds for this share of the distance, no other no with a longer slack is searched for.
 const LONG: f64 = 0.125;
 
@@ -120,6 +132,11 @@ impl ObjectView {
             Eye::At { .. } => distance.max(0.0) / self.reach,
             Eye::Along { .. } => 1.0 / self.reach,
         }
+    }
+
+    /// Whether the view has a focus.
+    pub(crate) fn has_focus(&self) -> bool {
+        self.focus.is_some()
     }
 
     /// Returns the eye in object units; `None` for an orthographic view.
@@ -182,19 +199,33 @@ impl ObjectView {
         Some(Facing { wide, away: [away, ((1.0 - away) * (1.0 + away)).sqrt()], gap: place.gap })
     }
 
-    /// Whether an error is too large at the nearest point of the sphere.
+    /// Whether an error is too large at the nearest point of the sphere. `TURNS`: changes of the tolerances' factor count as
+    /// turning, as in [`Criterion::test_turning`].
     #[inline]
-    fn too_large(&self, error: &Extent, reach: f64, place: &Place) -> Answer {
+    fn too_large<const TURNS: bool>(&self, error: &Extent, reach: f64, place: &Place) -> Answer {
         if error.largest <= 0.0 {
             return Answer::NEVER;
         }
         let far = error.size * reach;
         match self.eye {
             Eye::At { .. } => {
-                let refine = place.gap.max(NEAREST) < far;
-                Answer { refine, moved: error.slack(reach, place.gap, refine), turned: f64::INFINITY }
+                let near = place.gap.max(NEAREST);
+                let refine = near < far;
+                let (turned, reach) = match TURNS {
+                    false => (f64::INFINITY, reach),
+                    true if error.slope <= 0.0 => (apart(near, far), reach),
+                    true => {
+                        // Half-way to the factor at which the answer changes: what holds there holds on all of the way.
+                        let between = 0.5 * (reach + (near / error.size).min(WIDEST * reach));
+                        (apart(between, reach), between)
+                    }
+                };
+                Answer { refine, moved: error.slack(reach, place.gap, refine), turned }
             }
-            Eye::Along { .. } => Answer { refine: far > 1.0, ..Answer::ALWAYS },
+            Eye::Along { .. } => {
+                let turned = if TURNS { apart(far, 1.0) } else { f64::INFINITY };
+                Answer { refine: far > 1.0, moved: f64::INFINITY, turned }
+            }
         }
     }
 
@@ -208,17 +239,17 @@ impl ObjectView {
 impl ObjectView {
     /// Whether a refinement is needed with tolerances multiplied by `scale`, and for a budget by `factor`.
     #[inline]
-    fn answer(&self, bounds: &impl SeenBounds, scale: f64, factor: f64) -> Answer {
+    fn answer<const TURNS: bool>(&self, bounds: &impl SeenBounds, scale: f64, factor: f64) -> Answer {
         let place = self.place(bounds);
         let error = bounds.extent(self.error, &place);
         let both_factors = scale * factor;
-        let mut answer = self.too_large(&error, self.reach / both_factors, &place);
+        let mut answer = self.too_large::<TURNS>(&error, self.reach / both_factors, &place);
         let mut facing = None;
         if !answer.refine && self.silhouette_reach > self.reach {
             facing = self.facing(bounds, &place);
             let both = facing.as_ref().map_or(Answer::ALWAYS, |facing| facing.front().and(facing.back()));
-            answer =
-                answer.or(self.too_large(&error, self.silhouette_reach / both_factors, &place).and(both));
+            let silhouette = self.too_large::<TURNS>(&error, self.silhouette_reach / both_factors, &place);
+            answer = answer.or(silhouette.and(both));
         }
         if self.focus.is_some()
             && (factor <= 1.0 || error.largest * self.silhouette_reach > NEAREST * both_factors)
@@ -262,6 +293,15 @@ impl ObjectView {
         } else {
             urgency
         }
+    }
+
+    /// Whether a refinement is needed, as [`Criterion::test_turning`] says.
+    fn answer_turning(&self, bounds: &impl SeenBounds, scale: f64, factor: f64) -> Answer {
+        if self.focus.is_some() && factor > 1.0 {
+            // What a focus keeps from a budget depends on both factors.
+            return within_band(scale, |scale| self.answer::<false>(bounds, scale, factor));
+        }
+        self.answer::<true>(bounds, scale, factor)
     }
 
     fn may_see(&self, bounds: &impl SeenBounds) -> bool {
@@ -312,15 +352,19 @@ impl ObjectView {
 
 impl Criterion for ObjectView {
     fn test(&self, bounds: &Bounds) -> Answer {
-        self.answer(bounds, 1.0, 1.0)
+        self.answer::<false>(bounds, 1.0, 1.0)
     }
 
     fn test_at(&self, bounds: &Bounds, factor: f64) -> Answer {
-        self.answer(bounds, 1.0, factor)
+        self.answer::<false>(bounds, 1.0, factor)
     }
 
     fn test_scaled(&self, bounds: &Bounds, scale: f64, factor: f64) -> Answer {
-        self.answer(bounds, scale, factor)
+        self.answer::<false>(bounds, scale, factor)
+    }
+
+    fn test_turning(&self, bounds: &Bounds, scale: f64, factor: f64) -> Answer {
+        self.answer_turning(bounds, scale, factor)
     }
 
     fn urgency(&self, bounds: &Bounds) -> f64 {
@@ -344,15 +388,19 @@ impl Criterion for ObjectView {
 /// all directions.
 impl Criterion<DeviationBounds> for ObjectView {
     fn test(&self, bounds: &DeviationBounds) -> Answer {
-        self.answer(bounds, 1.0, 1.0)
+        self.answer::<false>(bounds, 1.0, 1.0)
     }
 
     fn test_at(&self, bounds: &DeviationBounds, factor: f64) -> Answer {
-        self.answer(bounds, 1.0, factor)
+        self.answer::<false>(bounds, 1.0, factor)
     }
 
     fn test_scaled(&self, bounds: &DeviationBounds, scale: f64, factor: f64) -> Answer {
-        self.answer(bounds, scale, factor)
+        self.answer::<false>(bounds, scale, factor)
+    }
+
+    fn test_turning(&self, bounds: &DeviationBounds, scale: f64, factor: f64) -> Answer {
+        self.answer_turning(bounds, scale, factor)
     }
 
     fn urgency(&self, bounds: &DeviationBounds) -> f64 {

@@ -6,7 +6,7 @@ use crate::lod::{Baked, Mixture, Origins, Progress};
 use crate::mesh::{Mesh, MeshPoint, NONE, Topology};
 
 use super::sources::{LEAST_WEIGHT, Sources};
-use super::subdivision::build::SubdivisionBuilder;
+use super::subdivision::SubdivisionBuilder;
 use super::{DomainPoint, WaveletError, WaveletMesh, WaveletOptions};
 
 /// A new vertex: the midpoint of an edge.

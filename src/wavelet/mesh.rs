@@ -5,14 +5,13 @@ use std::ops::ControlFlow;
 use crate::adapt::Refinements;
 use crate::geometry::boxes;
 use crate::lod::Progress;
-use crate::mesh::{Mesh, NONE, Topology, Used};
+use crate::mesh::{Mesh, Used};
 use crate::view::DeviationBounds;
 
 use super::bounds::{WaveletBounds, bounds};
+use super::from_quadrisection::from_quadrisection;
 use super::instance::surface::WaveletSurface;
-use super::recognise::quadrisection::Quadrisection;
 use super::recognise::{Component, recognise_across_seams};
-use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Share of the build time spent on finding the connectivity.
@@ -76,105 +75,7 @@ impl WaveletMesh {
         }
         stage(RECOGNITION)?;
         let mut rest = |share: f32| progress(RECOGNITION + (1.0 - RECOGNITION) * share);
-        Self::of_quadrisection(mesh, &found.quadrisection, options, &mut rest)
-    }
-
-    fn of_quadrisection(
-        mesh: &Mesh,
-        found: &Quadrisection,
-        options: &WaveletOptions,
-        progress: Progress<'_>,
-    ) -> Result<(Self, Vec<u32>), WaveletError> {
-        let topology = Topology::new(mesh);
-        let input = mesh.triangles().as_flattened();
-        let base_count = found.base_faces();
-        let (split, leaves) = (found.split(), found.leaves());
-
-        // Corners of all faces as corners of the input, from the finest to the coarsest.
-        let split_count = split.iter().filter(|split| **split).count();
-        let mut corners = vec![[NONE; 3]; split.len()];
-        let mut rank = split_count;
-        for face in (0..split.len()).rev() {
-            corners[face] = if split[face] {
-                rank -= 1;
-                let children = &corners[base_count + 4 * rank..][..3];
-                [0, 1, 2].map(|k| children[k][0])
-            } else {
-                let (triangle, turn) = (leaves[face] / 3, leaves[face] % 3);
-                [0, 1, 2].map(|k| 3 * triangle + (turn + k) % 3)
-            };
-        }
-        let wedge = |corner: u32| topology.wedge_of()[input[corner as usize] as usize];
-        let point = |corner: u32| topology.point_of()[input[corner as usize] as usize];
-
-        // Vertices of the base in the order of the faces.
-        let mut number = vec![NONE; mesh.positions().len()];
-        let mut order: Vec<u32> = Vec::new();
-        let base: Vec<[u32; 3]> = corners[..base_count]
-            .iter()
-            .map(|corners| {
-                corners.map(|corner| {
-                    let wedge = wedge(corner);
-                    let slot = &mut number[wedge as usize];
-                    if *slot == NONE {
-                        *slot = order.len() as u32;
-                        order.push(wedge);
-                    }
-                    *slot
-                })
-            })
-            .collect();
-        let points: Vec<[u32; 3]> = corners[..base_count].iter().map(|c| c.map(point)).collect();
-        let mut next = 0;
-        let base_midpoints: Vec<[u32; 3]> = (0..base_count)
-            .map(|face| {
-                if !split[face] {
-                    return [NONE; 3];
-                }
-                next += 1;
-                let children = &corners[base_count + 4 * (next - 1)..][..3];
-                [0, 1, 2].map(|k| point(children[k][1]))
-            })
-            .collect();
-        let mut builder = SubdivisionBuilder::new(base, order.len(), &points, &base_midpoints)?;
-        loop {
-            let level = builder.last_level();
-            let flags = split[level.start as usize..level.end as usize].to_vec();
-            if !builder.split(flags)? {
-                break;
-            }
-        }
-        let mut rank_of = vec![NONE; split.len()];
-        let ranks = (0..split.len()).filter(|&face| split[face]).zip(0..);
-        ranks.for_each(|(face, rank)| rank_of[face] = rank);
-        let key = |face: u32, side: usize, part: Part| {
-            let (child, corner) = part.corner(side);
-            wedge(corners[base_count + 4 * rank_of[face as usize] as usize + child][corner])
-        };
-        let subdivision = builder.finish(|_, face, side, part| key(face, side, part));
-        if subdivision.split_count as usize != split_count {
-            return Err(WaveletError::Invalid { what: "seams beside the edges of base face", at: 0 });
-        }
-        order.resize(subdivision.vertex_count(), NONE);
-        for wavelet in 0..subdivision.wavelet_count() as u32 {
-            for along in subdivision.faces_along(wavelet) {
-                for part in Part::ALL {
-                    let (child, corner) = part.corner(along.side());
-                    let vertex = subdivision.corner(subdivision.child(along.face(), child), corner);
-                    order[vertex as usize] = key(along.face(), along.side(), part);
-                }
-            }
-        }
-        let material = |face: usize| {
-            let mut face = face;
-            while split[face] {
-                face = base_count + 4 * rank_of[face] as usize;
-            }
-            mesh.materials().get(leaves[face] as usize / 3).copied()
-        };
-        let materials: Vec<u32> = (0..base_count).filter_map(material).collect();
-        let vertices = mesh.gather(&order, Vec::new(), Vec::new());
-        Ok((Self::assemble(subdivision, vertices, &materials, options, progress)?, order))
+        from_quadrisection(mesh, &found.quadrisection, options, &mut rest)
     }
 
     /// Assembles matching parts. `materials`: ids of the base faces, or empty.

@@ -13,6 +13,7 @@
 //! | `sources.rs` | vertices at points of another mesh |
 //! | `heights.rs` | terrain from a grid of heights of any size |
 //! | `mesh.rs` | [`WaveletMesh`]: connectivity, vertices and bounds, shared by instances |
+//! | `from_quadrisection.rs` | a mesh and its quadrisection to a wavelet mesh |
 //! | `bounds/` | bounds of the change when a wavelet is left out |
 //! | `domain/` | places on the base: [`DomainPoint`], [`SurfaceSampler`], [`Atlas`] |
 //! | `transform/` | [`WaveletTransform`]: lazy and k-disk wavelet coefficients, and dropping the smallest |
@@ -30,6 +31,7 @@ mod builder;
 mod domain;
 mod edit;
 mod error;
+mod from_quadrisection;
 mod heights;
 mod instance;
 mod mesh;

@@ -17,8 +17,8 @@ use crate::mesh::NONE;
 
 use super::mesh::MOST_MATERIALS;
 use super::parts::{beside as beside_of, seams, sides, split};
-use super::subdivision::build::{Part, SubdivisionBuilder};
 use super::subdivision::{MOST_ALONG, MOST_FACES};
+use super::subdivision::{Part, SubdivisionBuilder};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
 /// Input for growing a subdivision, as in [`WaveletParts`].

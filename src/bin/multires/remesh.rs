@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
 use clap::builder::RangedU64ValueParser;
+use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::mesh::Mesh;
 use multires::quality::{self, DistanceOptions};
-use multires::remesh::{Creasing, Depth, Distortion, Features, Parameterisation, Remesher, Spread};
+use multires::remesh::{self, Creasing, Depth, Features, Parameterisation, Remesher, Smoothing, Spread};
 use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
@@ -69,11 +69,11 @@ pub struct Deep {
     /// Split every face of the base four to one this many times, 0 to 10.
     #[arg(long, value_name = "J", value_parser = RangedU64ValueParser::<usize>::new().range(0..=10))]
     levels: Option<usize>,
-    /// Split faces until every vertex of the mesh is within this of the face that it lies over, object units.
+    /// Split faces until the distance between mesh and remesh, measured both ways, is at most this, object units.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     error: Option<f64>,
-    /// Split faces until every vertex of the mesh is within this of the face that it lies over, in percent of the diagonal of
-    /// the mesh's box.
+    /// Split faces until the distance between mesh and remesh, measured both ways, is at most this, in percent of the diagonal
+    /// of the mesh's box.
     #[arg(long, value_name = "P", value_parser = not_negative)]
     error_percent: Option<f64>,
 }
@@ -114,6 +114,15 @@ pub struct Base {
     /// degrees that outline a made object].
     #[arg(long, value_name = "DEG", value_parser = degrees)]
     features: Option<f64>,
+    /// Smooth the map, so that edges of the base do not show in the remesh, or leave it as it is [default: harmonic].
+    #[arg(long, value_name = "S", value_enum)]
+    smoothing: Option<Smooth>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Smooth {
+    Harmonic,
+    Off,
 }
 
 /// Faces of the base to aim at.
@@ -122,7 +131,7 @@ const FACES: usize = 500;
 impl Base {
     /// Whether nothing was given.
     pub fn is_default(&self) -> bool {
-        self.faces.is_none() && self.features.is_none()
+        self.faces.is_none() && self.features.is_none() && self.smoothing.is_none()
     }
 }
 
@@ -147,21 +156,31 @@ impl Remeshed {
         let metric = metric::by_name(name).ok_or_else(unknown)?;
         let creasing = base.features.map_or(Creasing::Automatic, |angle| Creasing::Angle(angle as f32));
         let asked = base.faces.unwrap_or(FACES);
-        let mut remesher =
-            Remesher::new().metric(metric).base_faces(asked).features(Features::new().creasing(creasing));
+        let (smoothing, smoothing_name) = match base.smoothing {
+            None | Some(Smooth::Harmonic) => (Smoothing::Harmonic, "harmonic"),
+            Some(Smooth::Off) => (Smoothing::Off, "off"),
+        };
+        let features = Features::new().creasing(creasing);
+        let remesher = Remesher::new().metric(metric).base_faces(asked).features(features);
+        let mut remesher = remesher.smoothing(smoothing);
         let bar = Bar::new("mapping");
         let map = remesher.run_with(mesh, |share| bar.share(share)).map_err(Failure::input)?;
         drop(bar);
-        let bar = Bar::new("remeshing");
-        let baked = map.bake_with(mesh, deep.depth(mesh), options, |share| bar.share(share));
-        drop(bar);
-        let baked = baked.map_err(Failure::input)?;
+        let depth = deep.depth(mesh);
+        let mut remesh = bake(&map, mesh, depth, options)?;
+        let mut missed = None;
+        if let Depth::Error(asked) = depth {
+            (remesh, missed) = tightened(&map, mesh, asked, options, remesh)?;
+        }
+        let (baked, unfolded, left) = (remesh.model, remesh.unfolded, remesh.folded);
         let depth = baked.structure().subdivision().depth();
         let level = depth.min(MEASURED_LEVEL);
         let distortion = map.distortion(mesh, level);
 
         let faces = map.base().triangles().len();
         let vertices = map.base().positions().len();
+        let sides = (0..faces as u32).flat_map(|face| (0..3).map(move |side| (face, side)));
+        let feature_sides = sides.filter(|&(face, side)| map.is_feature(face, side)).count();
         let bytes = map.memory();
         let each = bytes as f64 / mesh.triangles().len().max(1) as f64;
         let mut warnings = Vec::new();
@@ -170,14 +189,18 @@ impl Remeshed {
                 "the base has {faces} faces, not {asked}: features, the topology or the shapes of triangles forbid fewer"
             ));
         }
-        if distortion.folded > 0 {
-            let Distortion { folded, triangles, .. } = distortion;
+        if left > 0 {
             warnings
-                .push(format!("{folded} of {triangles} triangles of level {level} face away from the mesh"));
+                .push(format!("{left} triangles face away from the mesh, beside folds finer than they are"));
         }
+        warnings.extend(missed);
         let members = vec![
             ("metric", json!(name)),
-            ("base", json!({ "asked": asked, "faces": faces, "vertices": vertices })),
+            ("smoothing", json!(smoothing_name)),
+            (
+                "base",
+                json!({ "asked": asked, "faces": faces, "vertices": vertices, "feature_sides": feature_sides }),
+            ),
             ("map", json!({ "bytes": bytes, "bytes_per_triangle": each })),
             (
                 "distortion",
@@ -189,16 +212,65 @@ impl Remeshed {
                     "folded": distortion.folded,
                 }),
             ),
+            ("unfolded", json!(unfolded)),
+            ("folded", json!(left)),
         ];
         let mut rows = Table::default();
         rows.row("base", format!("{vertices} vertices, {faces} faces, by {name}"));
+        rows.row("on features", format!("{feature_sides} of {} sides of base faces", 3 * faces));
         rows.row("map", format!("{bytes} bytes, {each:.1} a triangle of the input"));
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
-        rows.row("folded", format!("{} of {} triangles", distortion.folded, distortion.triangles));
+        rows.row("folded", format!("{left} triangles ({unfolded} more were unfolded)"));
         Ok(Self { baked, map, members, rows, warnings })
     }
 }
+
+/// Remeshes to a depth, with a bar.
+fn bake(
+    map: &Parameterisation,
+    mesh: &Mesh,
+    depth: Depth,
+    options: &WaveletOptions,
+) -> Result<remesh::Remesh, Failure> {
+    let bar = Bar::new("remeshing");
+    map.bake_with(mesh, depth, options, |share| bar.share(share)).map_err(Failure::input)
+}
+
+/// Rounds of measuring and remeshing with a smaller tolerance.
+const ROUNDS: usize = 4;
+
+/// Remeshes with smaller tolerances until the measured distance, both ways, is at most `asked`. Also returns a warning if it
+/// never is.
+fn tightened(
+    map: &Parameterisation,
+    mesh: &Mesh,
+    asked: f32,
+    options: &WaveletOptions,
+    mut remesh: remesh::Remesh,
+) -> Result<(remesh::Remesh, Option<String>), Failure> {
+    let mut tolerance = asked;
+    for round in 0..=ROUNDS {
+        let finest = remesh.model.structure().finest(Normals::Kept);
+        let bar = Bar::new("measuring");
+        let distance = quality::distance(mesh, &finest, &DistanceOptions::default());
+        drop(bar);
+        let found = distance.map_err(Failure::input)?.hausdorff();
+        if found <= f64::from(asked) || tolerance <= 0.0 {
+            return Ok((remesh, None));
+        }
+        if round == ROUNDS {
+            let text = format!("the measured distance is {}, above the error asked for", number(found));
+            return Ok((remesh, Some(text)));
+        }
+        tolerance *= (0.9 * f64::from(asked) / found).max(LEAST_SHARE) as f32;
+        remesh = bake(map, mesh, Depth::Error(tolerance), options)?;
+    }
+    Ok((remesh, None))
+}
+
+/// Least share of the tolerance that the next round takes: a distance may be measured at a place that no depth changes.
+const LEAST_SHARE: f64 = 0.4;
 
 fn spread(spread: &Spread) -> Value {
     json!({ "mean": spread.mean, "p99": spread.p99 })

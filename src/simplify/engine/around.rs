@@ -36,7 +36,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if self.order == Order::Batched && self.independence == Independence::Ring {
             ring.iter().for_each(|&n| self.state[n as usize] |= state::TOUCHED);
         } else {
-            let dependence = self.metric.dependence();
+            let dependence = self.metric.properties().dependence;
             let memoryless = dependence == Dependence::Triangles;
             // Edges between points of the ring go out of the batch.
             let has_domains = self.order == Order::Batched && self.independence == Independence::Domain;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::mesh::NONE;
-use crate::simplify::metric::{ErrorMetric, Pair};
+use crate::simplify::metric::{ErrorMetric, Loss, Pair};
 use crate::simplify::options::{Independence, Order};
 use crate::simplify::oracle::Collapse;
 use crate::simplify::placement::Placement;
@@ -347,7 +347,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             return None;
         }
         *known = other;
-        let rate = self.metric.cost_per_deviation(&self.surface, pair)?;
+        let rate = self.metric.cost_of(&self.surface, pair, Loss::Deviation)?;
         let added = self.errors.added(&self.surface, &self.patch, pair, x)?;
         Some((VERIFIED_WEIGHT * rate * added).max(0.0))
     }

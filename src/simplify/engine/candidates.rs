@@ -10,7 +10,7 @@
 use glam::Vec3;
 
 use crate::mesh::NONE;
-use crate::simplify::metric::{ErrorMetric, Pair};
+use crate::simplify::metric::{AttributeQuadric, ErrorMetric, Optimum, Pair, cost_at_kept};
 use crate::simplify::placement::Placement;
 use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::classify::kind;
@@ -51,7 +51,7 @@ impl<M: ErrorMetric> Judge<'_, M> {
     #[inline]
     pub fn cost(&self, point: u32, other: u32) -> f32 {
         if self.placement == Placement::Endpoint {
-            let cost = self.metric.cost_at_kept(self.surface, Pair { lost: point, kept: other });
+            let cost = cost_at_kept(self.metric, self.surface, Pair { lost: point, kept: other });
             if cost > 0.0 { cost } else { 0.0 }
         } else {
             self.evaluate(point, other).2
@@ -95,11 +95,12 @@ impl<M: ErrorMetric> Judge<'_, M> {
         let cost = |pair: Pair, x: Vec3| clean(self.metric.cost(self.surface, pair, x.into()));
         match self.placement {
             Placement::Optimal => {
-                if let Some((x, c)) = self.metric.optimum(self.surface, pair) {
-                    let x = Vec3::from(x);
+                let optimum = self.metric.optimum(self.surface, pair, &AttributeQuadric::NONE);
+                if let Some(Optimum { position, cost, .. }) = optimum {
+                    let x = Vec3::from(position);
                     let near = (FAR * FAR) * lost.distance_squared(kept);
                     if x.distance_squared(middle) <= near || x.is_finite() && self.is_among(pair, middle, x) {
-                        return (pair, x, clean(c));
+                        return (pair, x, clean(cost));
                     }
                     return self.best_of_three(pair, middle);
                 }

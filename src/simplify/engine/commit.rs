@@ -1,7 +1,7 @@
 //! Does a collapse: records it, merges the points, and tells all who keep count.
 
 use crate::geometry::segment::blend_weight;
-use crate::simplify::metric::ErrorMetric;
+use crate::simplify::metric::{ErrorMetric, MetricEvent};
 use crate::simplify::permissive::gives;
 use crate::simplify::surface::classify::kind;
 
@@ -27,10 +27,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
         self.watch.reached(error.surface);
-        self.metric.collapsing(&self.surface, pair, x.into());
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
-        self.metric.substituting(&self.surface, self.recorder.last(x.into()));
-        for new in self.recorder.last(x.into()).new_vertices {
+        let substitutions = self.recorder.last();
+        let event = MetricEvent::Collapsing { pair, position: x.into(), substitutions };
+        self.metric.update(&self.surface, event);
+        for new in substitutions.new_vertices {
             self.surface.add_vertex(new.from, new.weight);
         }
         let shifts_features =
@@ -41,7 +42,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if shifts_features || self.breaks_topology || self.patch.opposite().is_empty() {
             self.surface.reclassify_around(pair.kept);
         }
-        self.metric.collapsed(&self.surface, pair);
+        self.metric.update(&self.surface, MetricEvent::Collapsed { pair });
         self.tell(Some(pair.kept));
         let error = [error.surface, error.curve].map(|error| self.surface.frame().object_length(error));
         self.recorder.finish_step(error, &self.dead, self.surface.live_triangles());

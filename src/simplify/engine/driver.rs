@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! for each batch (one in linear order)
-//!     metric.begin
+//!     tell the metric
 //!     for every point: its cheapest candidate -> queue
 //!     while a target is missed, take the next point
 //!         stale?            look for its cheapest again, put it back where that belongs
@@ -20,7 +20,7 @@ use crate::geometry::parallel;
 use crate::mesh::{Mesh, NONE, Tolerances, Topology, border_twins, rounding};
 use crate::sequence::{CollapseSequence, StopReason};
 use crate::simplify::errors::Errors;
-use crate::simplify::metric::{Batch, ErrorMetric};
+use crate::simplify::metric::{Batch, ErrorMetric, MetricEvent};
 use crate::simplify::options::{self, ErrorMeasure, Independence, Limits, Order, Progress};
 use crate::simplify::oracle::Oracle;
 use crate::simplify::parts::Parts;
@@ -293,7 +293,7 @@ impl<'a, M: ErrorMetric> Engine<'a, M> {
             self.placement = choose(info);
             self.surface.moves_wedges = !self.placement.keeps_vertices();
         }
-        self.metric.begin(&self.surface, info);
+        self.metric.update(&self.surface, MetricEvent::Begin(info));
         if index == 0 && self.permissive == Permissive::On && self.surface.has_seams() {
             // Release seams only now: the metric's sums already contain their weight.
             self.release(Giving::Seams);

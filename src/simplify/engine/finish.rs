@@ -75,7 +75,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let report = SimplifyReport { refusals, ..SimplifyReport::new(stop) };
         let (mut sequence, mut parts) = self.recorder.finish(report);
         if !sequence.new_vertices.is_empty() {
-            sequence.solved = self.metric.attribute_names().to_vec();
+            sequence.solved = self.metric.properties().attributes.unwrap_or_default().to_vec();
         }
         if self.tiled {
             let order = reorder::sort_by_rank(&mut sequence, &self.ranks, &mut parts);

@@ -119,11 +119,10 @@ impl Recorder {
         self.live_vertices = self.live_vertices.saturating_sub(self.substitutions.len() - self.before[1]);
     }
 
-    /// Returns the changes of vertices by the last merge; `position` in the inner frame.
-    pub fn last(&self, position: [f32; 3]) -> Substitutions<'_> {
+    /// Returns the changes of vertices by the last merge.
+    pub fn last(&self) -> Substitutions<'_> {
         let [vertices, substitutions] = self.before;
         Substitutions {
-            position,
             pairs: &self.substitutions[substitutions..],
             first_new: vertices as u32,
             new_vertices: &self.new_vertices[vertices - self.input_vertices as usize..],

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use crate::geometry::triangle::distance_squared_single;
 use crate::mesh::NONE;
-use crate::simplify::metric::{ErrorMetric, Pair, VanishingLoss};
+use crate::simplify::metric::{ErrorMetric, Loss, Pair, VanishingLoss};
 use crate::simplify::options::Order;
 use crate::simplify::oracle::Collapse;
 use crate::simplify::parts::Parts;
@@ -95,7 +95,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
     fn loss_cost(&self, parts: &Parts, part: u32, loss: f32) -> Option<f32> {
         let point = parts.first_point(part);
         let triangles = parts.live(part) as usize;
-        let cost = match self.metric.cost_per_deviation(&self.surface, Pair { lost: point, kept: point }) {
+        let pair = Pair { lost: point, kept: point };
+        let cost = match self.metric.cost_of(&self.surface, pair, Loss::Deviation) {
             Some(_) if self.is_symmetric() => SUMMED_RATE * loss,
             Some(rate) => rate * loss,
             None => {
@@ -104,8 +105,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
                     [self.surface.live_sheets(), self.surface.live_triangles()].map(|count| count.max(1));
                 let (triangles, mean_area) = (triangles * sheets / live, parts.area() / sheets as f32);
                 let area = parts.shape(part).area;
-                let lost = VanishingLoss { integral: loss, area, triangles, mean_area };
-                self.metric.vanishing_cost(lost).or(self.vanishing.is_last.then_some(loss))?
+                let part = Loss::Part(VanishingLoss { integral: loss, area, triangles, mean_area });
+                let cost = self.metric.cost_of(&self.surface, pair, part);
+                cost.or(self.vanishing.is_last.then_some(loss))?
             }
         };
         let pairs = 0.5 * triangles.clamp(1, LARGE) as f32;

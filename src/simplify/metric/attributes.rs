@@ -22,9 +22,10 @@ use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::classify::kind;
 use crate::simplify::surface::wedge_map::WedgeMap;
 
+use super::loss::attribute_cost;
 use super::{
-    AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair, Quadric, Substitutions,
-    VanishingLoss,
+    AttributeQuadric, AttributeSum, ErrorMetric, Loss, MetricEvent, MetricProperties, Optimum, Pair, Quadric,
+    Substitutions,
 };
 
 /// The attributes counted by collapse costs, and their weights.
@@ -205,7 +206,7 @@ fn units_per_uv(mesh: &Mesh, set: &Attribute) -> f32 {
 }
 
 /// Squared attribute deviations on top of another metric `M`, at the exchange rate given by `M`
-/// ([`ErrorMetric::attribute_cost`]).
+/// ([`ErrorMetric::cost_of`]).
 ///
 /// The attribute part is accumulated since the input, even if `M` accumulates nothing. New vertices made by a collapse
 /// get the values of least deviation, wedge by wedge. [`optimum`](ErrorMetric::optimum) weighs the values together with
@@ -593,105 +594,9 @@ impl<M> WithAttributes<M> {
         target.area += head.area;
     }
 
-    /// Gives a vertex the best values at its position; directions are normalised.
-    fn solve(&mut self, vertex: u32) {
-        let first = vertex as usize * self.stride;
-        for (value, planes) in self.values[first..].iter_mut().zip(&self.planes[first..]) {
-            *value = planes.value;
-        }
-        for &(scalar, weight) in &self.directions {
-            let at = |i: usize| (first + (scalar + i) / 4, (scalar + i) % 4);
-            let direction = Vec3::from_array(std::array::from_fn(|i| self.values[at(i).0][at(i).1]));
-            if let Some(unit) = direction.try_normalize() {
-                let direction = unit * (weight * self.unit);
-                (0..3).for_each(|i| self.values[at(i).0][at(i).1] = direction[i]);
-            }
-        }
-    }
-}
-
-impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
-    fn name(&self) -> &'static str {
-        match self.metric.name() {
-            "quadric" => "quadric+attributes",
-            "memoryless-quadric" => "memoryless-quadric+attributes",
-            "lindstrom-turk" => "lindstrom-turk+attributes",
-            "volume-area" => "volume-area+attributes",
-            "unsigned-volume" => "unsigned-volume+attributes",
-            "hybrid" => "hybrid+attributes",
-            "progressive-mesh" => "progressive-mesh+attributes",
-            "edge-length" => "edge-length+attributes",
-            _ => "attributes",
-        }
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.metric.begin(surface, batch);
-        self.yielded = self.yields && self.metric.counts_attributes();
-        if batch.index == 0 || self.heads.is_empty() {
-            self.build(surface);
-        }
-    }
-
-    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
-        let cost = self.metric.cost(surface, pair, position);
-        if self.is_idle() {
-            return cost;
-        }
-        let off = if position == surface.position(pair.kept) {
-            self.off_at_kept(surface, pair, true)
-        } else {
-            self.off_anywhere(surface, pair).at(position)
-        };
-        cost + self.metric.attribute_cost(surface, pair, off)
-    }
-
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        let cost = self.metric.cost_at_kept(surface, pair);
-        if self.is_idle() {
-            return cost;
-        }
-        cost + self.metric.attribute_cost(surface, pair, self.off_at_kept(surface, pair, false))
-    }
-
-    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
-        self.metric.costs_at_kept(surface, lost, kept, costs);
-        if self.is_idle() {
-            return;
-        }
-        let is_plain = surface.kind(lost) & (kind::FEATURE | kind::WEDGES) == 0;
-        let one_wedge = surface.has_seams() && is_plain;
-        let mut star = surface.star(lost);
-        for (&kept, cost) in kept.iter().zip(costs) {
-            let pair = Pair { lost, kept };
-            // Neighbours mostly come in the order of the star, so the current triangle gives both wedges.
-            let corner = if one_wedge { star.next().filter(|c| c.others[0] == kept) } else { None };
-            let off = match corner {
-                Some(corner) => {
-                    let vertices = surface.corner_vertices(corner.triangle);
-                    let [from, to] = [corner.slot as usize, NEXT[corner.slot as usize]].map(|i| vertices[i]);
-                    self.off_of_wedge(from, to, surface.at(kept))
-                }
-                None => self.off_at_kept(surface, pair, false),
-            };
-            *cost += self.metric.attribute_cost(surface, pair, off);
-        }
-    }
-
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        if self.is_idle() {
-            return self.metric.optimum(surface, pair);
-        }
-        self.metric.optimum_with(surface, pair, &self.off_anywhere(surface, pair))
-    }
-
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        self.metric.collapsing(surface, pair, position);
-    }
-
-    fn substituting(&mut self, surface: &WorkingSurface, substitutions: Substitutions<'_>) {
-        self.metric.substituting(surface, substitutions);
-        let Substitutions { position, pairs, first_new, new_vertices } = substitutions;
+    /// Merges the sums of replaced vertices, and gives new vertices the best values at the merged point.
+    fn substitute(&mut self, position: [f32; 3], substitutions: Substitutions<'_>) {
+        let Substitutions { pairs, first_new, new_vertices } = substitutions;
         let reach = pairs.iter().flatten().max().map_or(0, |&v| v as usize + 1);
         if reach > self.heads.len() {
             self.heads.resize(reach, Head::default());
@@ -716,39 +621,120 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
         }
     }
 
-    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
-        self.metric.collapsed(surface, pair);
-    }
-
-    fn cost_per_deviation(&self, surface: &WorkingSurface, pair: Pair) -> Option<f32> {
-        self.metric.cost_per_deviation(surface, pair)
-    }
-
-    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
-        self.metric.vanishing_cost(loss)
-    }
-
-    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
-        self.metric.attribute_cost(surface, pair, off)
-    }
-
-    fn counts_attributes(&self) -> bool {
-        true
-    }
-
-    fn attribute_names(&self) -> &[String] {
-        if self.is_idle() { self.metric.attribute_names() } else { &self.names }
-    }
-
-    fn substitution_deviation(&self, from: u32, to: u32, position: [f32; 3]) -> Option<AttributeSum> {
-        if self.is_idle() {
-            return self.metric.substitution_deviation(from, to, position);
+    /// Gives a vertex the best values at its position; directions are normalised.
+    fn solve(&mut self, vertex: u32) {
+        let first = vertex as usize * self.stride;
+        for (value, planes) in self.values[first..].iter_mut().zip(&self.planes[first..]) {
+            *value = planes.value;
         }
-        Some(self.off_of_wedge(from, to, Vec3::from(position)))
+        for &(scalar, weight) in &self.directions {
+            let at = |i: usize| (first + (scalar + i) / 4, (scalar + i) % 4);
+            let direction = Vec3::from_array(std::array::from_fn(|i| self.values[at(i).0][at(i).1]));
+            if let Some(unit) = direction.try_normalize() {
+                let direction = unit * (weight * self.unit);
+                (0..3).for_each(|i| self.values[at(i).0][at(i).1] = direction[i]);
+            }
+        }
+    }
+}
+
+impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
+        let cost = self.metric.cost(surface, pair, position);
+        if self.is_idle() {
+            return cost;
+        }
+        let off = if position == surface.position(pair.kept) {
+            self.off_at_kept(surface, pair, true)
+        } else {
+            self.off_anywhere(surface, pair).at(position)
+        };
+        cost + attribute_cost(&self.metric, surface, pair, off)
     }
 
-    fn dependence(&self) -> Dependence {
-        self.metric.dependence()
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.metric.costs_at_kept(surface, lost, kept, costs);
+        if self.is_idle() {
+            return;
+        }
+        if let ([kept], [cost]) = (kept, &mut *costs) {
+            let pair = Pair { lost, kept: *kept };
+            *cost += attribute_cost(&self.metric, surface, pair, self.off_at_kept(surface, pair, false));
+            return;
+        }
+        let is_plain = surface.kind(lost) & (kind::FEATURE | kind::WEDGES) == 0;
+        let one_wedge = surface.has_seams() && is_plain;
+        let mut star = surface.star(lost);
+        for (&kept, cost) in kept.iter().zip(costs) {
+            let pair = Pair { lost, kept };
+            // Neighbours mostly come in the order of the star, so the current triangle gives both wedges.
+            let corner = if one_wedge { star.next().filter(|c| c.others[0] == kept) } else { None };
+            let off = match corner {
+                Some(corner) => {
+                    let vertices = surface.corner_vertices(corner.triangle);
+                    let [from, to] = [corner.slot as usize, NEXT[corner.slot as usize]].map(|i| vertices[i]);
+                    self.off_of_wedge(from, to, surface.at(kept))
+                }
+                None => self.off_at_kept(surface, pair, false),
+            };
+            *cost += attribute_cost(&self.metric, surface, pair, off);
+        }
+    }
+
+    /// Counts the attributes of this metric. The cost of further attributes is added by whoever asks with them.
+    fn optimum(
+        &self,
+        surface: &WorkingSurface,
+        pair: Pair,
+        attributes: &AttributeQuadric,
+    ) -> Option<Optimum> {
+        if self.is_idle() {
+            return self.metric.optimum(surface, pair, attributes);
+        }
+        let own = self.off_anywhere(surface, pair);
+        let Optimum { position, cost, counts_attributes } = self.metric.optimum(surface, pair, &own)?;
+        let added = match counts_attributes {
+            true => 0.0,
+            false => attribute_cost(&self.metric, surface, pair, own.at(position)),
+        };
+        Some(Optimum::new(position, cost + added))
+    }
+
+    fn cost_of(&self, surface: &WorkingSurface, pair: Pair, loss: Loss) -> Option<f32> {
+        self.metric.cost_of(surface, pair, loss)
+    }
+
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.metric.update(surface, event);
+        match event {
+            MetricEvent::Begin(batch) => {
+                self.yielded = self.yields && self.metric.properties().attributes.is_some();
+                if batch.index == 0 || self.heads.is_empty() {
+                    self.build(surface);
+                }
+            }
+            MetricEvent::Collapsing { position, substitutions, .. } => {
+                self.substitute(position, substitutions);
+            }
+            MetricEvent::Collapsed { .. } => {}
+        }
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        let inner = self.metric.properties();
+        let name = match inner.name {
+            "quadric" => "quadric+attributes",
+            "memoryless-quadric" => "memoryless-quadric+attributes",
+            "lindstrom-turk" => "lindstrom-turk+attributes",
+            "volume-area" => "volume-area+attributes",
+            "unsigned-volume" => "unsigned-volume+attributes",
+            "hybrid" => "hybrid+attributes",
+            "progressive-mesh" => "progressive-mesh+attributes",
+            "edge-length" => "edge-length+attributes",
+            _ => "attributes",
+        };
+        let names = if self.is_idle() { inner.attributes.unwrap_or_default() } else { &self.names };
+        MetricProperties { name, ..inner }.with_attributes(names)
     }
 }
 

@@ -17,7 +17,8 @@ pub const NAMES: [&str; 8] = [
     "edge-length",
 ];
 
-/// Returns the metric named `name` ([`ErrorMetric::name`]) with its defaults; `None` if `name` is not among [`NAMES`].
+/// Returns the metric named `name`
+/// ([`MetricProperties::name`](super::MetricProperties::name)) with its defaults; `None` if `name` is not among [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn ErrorMetric>> {
     Some(match name {
         "quadric" => Box::new(Quadric::new()),

@@ -20,7 +20,7 @@ pub struct AttributeSum {
     /// Sum of `2 * area`.
     pub area: f32,
     /// Whether the sum holds only the deviations added by merging into the kept point as it is
-    /// ([`cost_at_kept`](super::ErrorMetric::cost_at_kept)), rather than all deviations carried by the merged point.
+    /// ([`costs_at_kept`](super::ErrorMetric::costs_at_kept)), rather than all deviations carried by the merged point.
     pub added: bool,
 }
 
@@ -52,6 +52,10 @@ pub struct AttributeQuadric {
 }
 
 impl AttributeQuadric {
+    /// No attributes: no deviation anywhere.
+    pub const NONE: Self =
+        Self { origin: Vec3::ZERO, h: Symmetric::ZERO, b: DVec3::ZERO, constant: 0.0, area: 0.0 };
+
     /// Half the gradient at a position.
     #[inline]
     pub(super) fn gradient(&self, position: Vec3) -> DVec3 {

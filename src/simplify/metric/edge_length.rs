@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::simplify::surface::WorkingSurface;
 
 use super::region::{finite, swept_by_rims};
-use super::{AttributeSum, Batch, Dependence, ErrorMetric, Pair};
+use super::{Dependence, ErrorMetric, Loss, MetricProperties, Pair};
 
 /// Weight of the area swept by rims, relative to the squared length.
 const RIM: f64 = 64.0;
@@ -29,12 +29,6 @@ impl EdgeLength {
 }
 
 impl ErrorMetric for EdgeLength {
-    fn name(&self) -> &'static str {
-        "edge-length"
-    }
-
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let length = surface.at(pair.lost).distance_squared(surface.at(pair.kept));
         if surface.is_on_curve(pair.lost) || surface.is_on_curve(pair.kept) {
@@ -44,18 +38,17 @@ impl ErrorMetric for EdgeLength {
         length
     }
 
-    fn optimum(&self, _: &WorkingSurface, _: Pair) -> Option<([f32; 3], f32)> {
-        None
-    }
-
-    /// The squared length of an edge with this deviation on a curved surface: on a sphere, the middle of an edge half as
-    /// long as the radius lies 1/16 of its length off the surface.
-    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
-        (off.mean() * LENGTHS * LENGTHS) as f32
+    /// Attributes: the squared length of an edge with this deviation on a curved surface. On a sphere, the middle of an edge
+    /// half as long as the radius lies 1/16 of its length off the surface.
+    fn cost_of(&self, _: &WorkingSurface, _: Pair, loss: Loss) -> Option<f32> {
+        match loss {
+            Loss::Attributes(off) => Some((off.mean() * LENGTHS * LENGTHS) as f32),
+            Loss::Deviation | Loss::Part(_) => None,
+        }
     }
 
     /// Only edges at the merged point change their length. Rims elsewhere hardly sweep other areas.
-    fn dependence(&self) -> Dependence {
-        Dependence::Both
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("edge-length").with_dependence(Dependence::Both)
     }
 }

@@ -9,11 +9,9 @@ use glam::{DVec3, Vec3};
 
 use crate::simplify::surface::WorkingSurface;
 
-use super::region::{
-    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
-};
+use super::region::{Facet, at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
 use super::unsigned_volume::{swept, swept_to_kept};
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, ErrorMetric, Loss, MetricProperties, Optimum, Pair};
 
 /// The unsigned swept volume times the largest deviation of a normal.
 #[derive(Debug, Clone, Copy, Default)]
@@ -42,12 +40,6 @@ fn turn(facet: &Facet, x: DVec3) -> f64 {
 }
 
 impl ErrorMetric for Hybrid {
-    fn name(&self) -> &'static str {
-        "hybrid"
-    }
-
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         let mut largest: f64 = 0.0;
@@ -55,33 +47,36 @@ impl ErrorMetric for Hybrid {
         finite(swept(surface, pair, x) * largest + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        let x = at(surface, pair.kept);
-        let mut largest: f64 = 0.0;
-        for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
-        finite(
-            swept_to_kept(surface, pair) * largest + length(surface, pair) * swept_by_rims(surface, pair, x),
-        )
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        for (&kept, cost) in kept.iter().zip(costs) {
+            let pair = Pair { lost, kept };
+            let x = at(surface, kept);
+            let mut largest: f64 = 0.0;
+            for_lost(surface, pair, |facet| largest = largest.max(turn(&facet, x)));
+            let rims = length(surface, pair) * swept_by_rims(surface, pair, x);
+            *cost = finite(swept_to_kept(surface, pair) * largest + rims);
+        }
     }
 
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
-    }
-
-    /// The volume between the surface and a copy offset by the deviation, times the rotation of a normal if the surface
-    /// deviates by this distance at a single end of the edge: half of the squared slope.
-    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
-        let length2 = f64::from(surface.at(pair.lost).distance_squared(surface.at(pair.kept)));
-        let turn = off.mean() / (2.0 * length2).max(f64::MIN_POSITIVE);
-        finite(off.volume() * turn.min(2.0))
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
-        cheapest_place_with(self, surface, pair, attributes)
+    ) -> Option<Optimum> {
+        cheapest_place(self, surface, pair, attributes)
+    }
+
+    /// Attributes: the volume between the surface and a copy offset by the deviation, times the rotation of a normal if the
+    /// surface deviates by this distance at a single end of the edge: half of the squared slope.
+    fn cost_of(&self, surface: &WorkingSurface, pair: Pair, loss: Loss) -> Option<f32> {
+        let Loss::Attributes(off) = loss else { return None };
+        let length2 = f64::from(surface.at(pair.lost).distance_squared(surface.at(pair.kept)));
+        let turn = off.mean() / (2.0 * length2).max(f64::MIN_POSITIVE);
+        Some(finite(off.volume() * turn.min(2.0)))
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("hybrid")
     }
 }

@@ -20,7 +20,7 @@ use crate::simplify::surface::curves::Rim;
 use super::region::{at, finite, for_border_edges, for_region, for_rims};
 use super::solve::{Constraints, Symmetric, minimise_on_plane};
 use super::stars::{StarSums, Sum, Weight};
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
+use super::{AttributeQuadric, ErrorMetric, Loss, MetricEvent, MetricProperties, Optimum, Pair};
 
 /// Weight of the areas swept by creases and seams. The volumes on either side hold creases already: by trial on a
 /// machined part the mean distance grows by a third with 1, and the largest distance by a third with 0. Without a weight
@@ -122,14 +122,6 @@ impl Border {
 }
 
 impl ErrorMetric for LindstromTurk {
-    fn name(&self) -> &'static str {
-        "lindstrom-turk"
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, _: Batch) {
-        self.stars.build(surface);
-    }
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         let sum = if is_at_rim(surface, pair) {
@@ -141,31 +133,12 @@ impl ErrorMetric for LindstromTurk {
     }
 
     #[inline]
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.optimum_with(surface, pair, &AttributeQuadric::default())
-    }
-
-    /// Squared volumes, as in [`attribute_cost`](ErrorMetric::attribute_cost): every triangle counts at each of its three
-    /// corners, with its squared distance times the square of twice its area. The mean triangle area of the surface
-    /// stands for the part's own: otherwise small parts of small triangles would cost next to nothing.
-    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
-        let double_area = 2.0 * f64::from(loss.mean_area);
-        Some(finite(6.0 * f64::from(loss.integral) * double_area * SCALE))
-    }
-
-    /// A squared volume is a squared distance times the square of twice the area, whereas `off.sum` has twice the area:
-    /// the exchange rate is twice the area of a triangle around the pair.
-    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
-        finite(f64::from(off.sum) * self.double_area(surface, pair) * SCALE)
-    }
-
-    #[inline]
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
+    ) -> Option<Optimum> {
         let counts = attributes.area > 0.0;
         let rate = if counts { self.double_area(surface, pair) } else { 0.0 };
         if is_at_rim(surface, pair) {
@@ -183,19 +156,33 @@ impl ErrorMetric for LindstromTurk {
         }
     }
 
-    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
-        self.stars.update(surface, pair.kept);
+    /// Attributes: a squared volume is a squared distance times the square of twice the area, whereas `off.sum` has twice
+    /// the area. The exchange rate is twice the area of a triangle around the pair.
+    ///
+    /// A part: every triangle counts at each of its three corners, with its squared distance times the square of twice its
+    /// area. The mean triangle area of the surface stands for the part's own: otherwise small parts of small triangles
+    /// would cost next to nothing.
+    fn cost_of(&self, surface: &WorkingSurface, pair: Pair, loss: Loss) -> Option<f32> {
+        let (sum, double_area) = match loss {
+            Loss::Attributes(off) => (f64::from(off.sum), self.double_area(surface, pair)),
+            Loss::Part(loss) => (6.0 * f64::from(loss.integral), 2.0 * f64::from(loss.mean_area)),
+            Loss::Deviation => return None,
+        };
+        Some(finite(sum * double_area * SCALE))
+    }
+
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.stars.follow(surface, event);
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("lindstrom-turk")
     }
 }
 
 /// Solves for the position, adding the constraints in order.
 #[cold]
-fn place(
-    surface: &WorkingSurface,
-    pair: Pair,
-    sum: &Sum,
-    border: Option<&Border>,
-) -> Option<([f32; 3], f32)> {
+fn place(surface: &WorkingSurface, pair: Pair, sum: &Sum, border: Option<&Border>) -> Option<Optimum> {
     let mut constraints = Constraints::default();
     constraints.add(sum.normals, sum.offset);
     if let Some(border) = border {
@@ -217,6 +204,6 @@ fn place(
 }
 
 #[inline]
-fn placed(surface: &WorkingSurface, pair: Pair, sum: &Sum, x: DVec3) -> ([f32; 3], f32) {
-    ((at(surface, pair.lost) + x).as_vec3().into(), finite(sum.at(x) * SCALE))
+fn placed(surface: &WorkingSurface, pair: Pair, sum: &Sum, x: DVec3) -> Optimum {
+    Optimum::of_both((at(surface, pair.lost) + x).as_vec3().into(), finite(sum.at(x) * SCALE))
 }

@@ -10,7 +10,7 @@ use crate::simplify::surface::WorkingSurface;
 use super::region::{at, finite};
 use super::solve::nearest_minimum;
 use super::stars::{StarSums, Sum, Weight};
-use super::{AttributeQuadric, Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, ErrorMetric, Loss, MetricEvent, MetricProperties, Optimum, Pair};
 
 /// Weight of the planes upright on borders, feature edges and creases, relative to triangles of equal area.
 const UPRIGHT: f64 = 4.0;
@@ -40,44 +40,40 @@ impl MemorylessQuadric {
 }
 
 impl ErrorMetric for MemorylessQuadric {
-    fn name(&self) -> &'static str {
-        "memoryless-quadric"
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, _: Batch) {
-        self.stars.build(surface);
-    }
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         finite(self.region(surface, pair).at(x))
     }
 
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.optimum_with(surface, pair, &AttributeQuadric::default())
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
+    ) -> Option<Optimum> {
         let mut sum = self.region(surface, pair);
         attributes.add_to(&mut sum, 1.0);
         let lost = at(surface, pair.lost);
         let middle = 0.5 * (at(surface, pair.kept) - lost);
         let x = middle + nearest_minimum(&sum.h, sum.h.times(middle) - sum.c);
-        Some(((lost + x).as_vec3().into(), finite(sum.at(x))))
+        Some(Optimum::of_both((lost + x).as_vec3().into(), finite(sum.at(x))))
     }
 
-    /// The patch changed by a collapse has the form of a tent, whose mean squared height is 1/6 of the squared peak. Each
-    /// triangle counts once. The rate leaves out the factor 2 of the weight, which is twice the area.
-    fn cost_per_deviation(&self, _: &WorkingSurface, _: Pair) -> Option<f32> {
-        Some(6.0)
+    /// A deviation: the patch changed by a collapse has the form of a tent, whose mean squared height is 1/6 of the squared
+    /// peak. Each triangle counts once. The rate leaves out the factor 2 of the weight, which is twice the area.
+    fn cost_of(&self, _: &WorkingSurface, _: Pair, loss: Loss) -> Option<f32> {
+        match loss {
+            Loss::Deviation => Some(6.0),
+            Loss::Attributes(off) => Some(off.sum),
+            Loss::Part(_) => None,
+        }
     }
 
-    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
-        self.stars.update(surface, pair.kept);
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        self.stars.follow(surface, event);
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("memoryless-quadric")
     }
 }

@@ -16,7 +16,7 @@ use crate::simplify::surface::WorkingSurface;
 use super::region::{at, finite, for_region};
 use super::solve::{Symmetric, nearest_minimum};
 use super::stars::{StarSums, Sum, Weight};
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
+use super::{AttributeQuadric, Batch, ErrorMetric, Loss, MetricEvent, MetricProperties, Optimum, Pair};
 
 /// Weight of the planes upright on borders, feature edges and creases, relative to the plane of a triangle.
 const UPRIGHT: f64 = 4.0;
@@ -106,37 +106,17 @@ fn springs(surface: &WorkingSurface, pair: Pair, origin: DVec3) -> Sum {
 }
 
 impl ErrorMetric for ProgressiveMeshMetric {
-    fn name(&self) -> &'static str {
-        "progressive-mesh"
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        if let Some(schedule) = &self.schedule {
-            self.kappa = stiffness(schedule(batch));
-        }
-        self.stars.build(surface);
-    }
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3() - at(surface, pair.lost);
         finite(self.region(surface, pair).at(x))
     }
 
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.optimum_with(surface, pair, &AttributeQuadric::default())
-    }
-
-    /// Distances are not weighted by area: the mean squared deviation counts for each plane around the pair.
-    fn attribute_cost(&self, surface: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
-        finite(off.mean() * planes(surface, pair))
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
+    ) -> Option<Optimum> {
         let mut sum = self.region(surface, pair);
         if attributes.area > 0.0 {
             attributes.add_to(&mut sum, planes(surface, pair) / f64::from(attributes.area));
@@ -144,10 +124,25 @@ impl ErrorMetric for ProgressiveMeshMetric {
         let lost = at(surface, pair.lost);
         let middle = 0.5 * (at(surface, pair.kept) - lost);
         let x = middle + nearest_minimum(&sum.h, sum.h.times(middle) - sum.c);
-        Some(((lost + x).as_vec3().into(), finite(sum.at(x))))
+        Some(Optimum::of_both((lost + x).as_vec3().into(), finite(sum.at(x))))
     }
 
-    fn collapsed(&mut self, surface: &WorkingSurface, pair: Pair) {
-        self.stars.update(surface, pair.kept);
+    /// Attributes: distances are not weighted by area, so the mean squared deviation counts for each plane around the pair.
+    fn cost_of(&self, surface: &WorkingSurface, pair: Pair, loss: Loss) -> Option<f32> {
+        match loss {
+            Loss::Attributes(off) => Some(finite(off.mean() * planes(surface, pair))),
+            Loss::Deviation | Loss::Part(_) => None,
+        }
+    }
+
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        if let (MetricEvent::Begin(batch), Some(schedule)) = (event, &self.schedule) {
+            self.kappa = stiffness(schedule(batch));
+        }
+        self.stars.follow(surface, event);
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("progressive-mesh")
     }
 }

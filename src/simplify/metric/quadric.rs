@@ -14,7 +14,7 @@ use crate::geometry::lanes::Lanes;
 use crate::simplify::surface::WorkingSurface;
 
 use super::solve::{Symmetric, nearest_minimum};
-use super::{AttributeQuadric, AttributeSum, Batch, Dependence, ErrorMetric, Pair};
+use super::{AttributeQuadric, Dependence, ErrorMetric, Loss, MetricEvent, MetricProperties, Optimum, Pair};
 
 /// A sum of weighted squared distances to planes, relative to an origin known to its owner. 40 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -108,17 +108,6 @@ impl Quadric {
 }
 
 impl ErrorMetric for Quadric {
-    fn name(&self) -> &'static str {
-        "quadric"
-    }
-
-    fn begin(&mut self, surface: &WorkingSurface, batch: Batch) {
-        self.verified = batch.verified;
-        if batch.index == 0 || self.quadrics.len() != surface.point_count() {
-            self.quadrics = point_quadrics(surface);
-        }
-    }
-
     #[inline]
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position);
@@ -130,21 +119,17 @@ impl ErrorMetric for Quadric {
     /// The cost added by the collapse: the kept point does not move, so its own sum stays unchanged. Divided by the root
     /// of the area behind the lost point, half-way between the sum and the mean of squared distances: collapses of large
     /// smooth parts come before collapses of small features with an equal sum, which measures 2 to 5 % better on coarse
-    /// levels.
-    #[inline]
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        let quadric = &self.quadrics[pair.lost as usize];
-        let way = surface.at(pair.kept) - surface.at(pair.lost);
-        let sum = quadric.at(way) + LENGTH_WEIGHT * way.length_squared().powi(2);
-        if self.verified { sum } else { sum * quadric.evenness() }
-    }
-
-    /// Evaluates [`cost_at_kept`](ErrorMetric::cost_at_kept) four neighbours at a time.
+    /// levels. Evaluates four neighbours at a time.
     #[inline]
     fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         let quadric = &self.quadrics[lost as usize];
         let at = surface.at(lost);
         let scale = if self.verified { 1.0 } else { quadric.evenness() };
+        if let ([kept], [cost]) = (kept, &mut *costs) {
+            let way = surface.at(*kept) - at;
+            *cost = (quadric.at(way) + LENGTH_WEIGHT * way.length_squared().powi(2)) * scale;
+            return;
+        }
         for (kept, costs) in kept.chunks(4).zip(costs.chunks_mut(4)) {
             let last = kept.len() - 1;
             let offsets = Lanes::gather(|i| surface.at(kept[i.min(last)]) - at);
@@ -155,29 +140,12 @@ impl ErrorMetric for Quadric {
         }
     }
 
-    /// A triangle counts at each of its three corners with twice its area: 6 times the integral.
-    fn cost_per_deviation(&self, _: &WorkingSurface, pair: Pair) -> Option<f32> {
-        let evenness = if self.verified { 1.0 } else { self.quadrics[pair.lost as usize].evenness() };
-        Some(6.0 * evenness)
-    }
-
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        self.optimum_with(surface, pair, &AttributeQuadric::default())
-    }
-
-    /// Attribute sums are sums of twice the area times squares, like this metric's. If the kept point stays unchanged,
-    /// they are scaled like [`cost_at_kept`](ErrorMetric::cost_at_kept).
-    fn attribute_cost(&self, _: &WorkingSurface, pair: Pair, off: AttributeSum) -> f32 {
-        let even = off.added && !self.verified;
-        off.sum * if even { self.quadrics[pair.lost as usize].evenness() } else { 1.0 }
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
+    ) -> Option<Optimum> {
         let (lost, kept) = (surface.at(pair.lost), surface.at(pair.kept));
         let middle = 0.5 * (lost + kept);
         let (a, b) = (&self.quadrics[pair.lost as usize], &self.quadrics[pair.kept as usize]);
@@ -186,19 +154,47 @@ impl ErrorMetric for Quadric {
         let gradient = (a.gradient(middle - lost) + b.gradient(middle - kept)).as_dvec3();
         let gradient = gradient + attributes.gradient(middle);
         let x = middle + nearest_minimum(&h, gradient).as_vec3();
-        Some((x.into(), a.at(x - lost) + b.at(x - kept) + attributes.at(x.into()).sum))
+        let cost = a.at(x - lost) + b.at(x - kept) + attributes.at(x.into()).sum;
+        Some(Optimum::of_both(x.into(), cost))
     }
 
-    fn collapsing(&mut self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) {
-        let x = Vec3::from(position);
-        let lost = self.quadrics[pair.lost as usize].moved(x - surface.at(pair.lost));
-        let kept = &mut self.quadrics[pair.kept as usize];
-        *kept = kept.moved(x - surface.at(pair.kept));
-        kept.add(&lost);
+    /// A deviation: a triangle counts at each of its three corners with twice its area, 6 times the integral.
+    ///
+    /// Attributes: their sums are sums of twice the area times squares, like this metric's. If the kept point stays
+    /// unchanged, they are scaled like [`costs_at_kept`](ErrorMetric::costs_at_kept).
+    #[inline]
+    fn cost_of(&self, _: &WorkingSurface, pair: Pair, loss: Loss) -> Option<f32> {
+        let evenness = |counts: bool| {
+            if counts && !self.verified { self.quadrics[pair.lost as usize].evenness() } else { 1.0 }
+        };
+        match loss {
+            Loss::Deviation => Some(6.0 * evenness(true)),
+            Loss::Attributes(off) => Some(off.sum * evenness(off.added)),
+            Loss::Part(_) => None,
+        }
     }
 
-    fn dependence(&self) -> Dependence {
-        Dependence::Lost
+    fn update(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        match event {
+            MetricEvent::Begin(batch) => {
+                self.verified = batch.verified;
+                if batch.index == 0 || self.quadrics.len() != surface.point_count() {
+                    self.quadrics = point_quadrics(surface);
+                }
+            }
+            MetricEvent::Collapsing { pair, position, .. } => {
+                let x = Vec3::from(position);
+                let lost = self.quadrics[pair.lost as usize].moved(x - surface.at(pair.lost));
+                let kept = &mut self.quadrics[pair.kept as usize];
+                *kept = kept.moved(x - surface.at(pair.kept));
+                kept.add(&lost);
+            }
+            MetricEvent::Collapsed { .. } => {}
+        }
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("quadric").with_dependence(Dependence::Lost)
     }
 }
 

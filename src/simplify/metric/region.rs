@@ -13,8 +13,9 @@ use glam::{DVec3, Vec3};
 use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::curves::Rim;
 
+use super::loss::attribute_cost;
 use super::solve::{Symmetric, nearest_minimum};
-use super::{AttributeQuadric, ErrorMetric, Pair};
+use super::{AttributeQuadric, ErrorMetric, Optimum, Pair};
 
 /// A triangle of the region: `p` is an end of the edge, `q` and `r` follow in the triangle's order.
 #[derive(Debug, Clone, Copy)]
@@ -138,10 +139,19 @@ pub(super) fn finite(cost: f64) -> f32 {
 /// Returns the cheapest of four places for the merged point: both ends, the middle, and the place of least squared swept
 /// volume. For metrics whose minimum has no formula.
 pub(super) fn cheapest_place(
+    metric: &impl ErrorMetric,
     surface: &WorkingSurface,
     pair: Pair,
-    cost: impl Fn([f32; 3]) -> f32,
-) -> Option<([f32; 3], f32)> {
+    attributes: &AttributeQuadric,
+) -> Option<Optimum> {
+    let cost = |x: [f32; 3]| {
+        let cost = metric.cost(surface, pair, x);
+        if attributes.area > 0.0 {
+            cost + attribute_cost(metric, surface, pair, attributes.at(x))
+        } else {
+            cost
+        }
+    };
     let (lost, kept) = (surface.at(pair.lost), surface.at(pair.kept));
     let middle = 0.5 * (lost + kept);
     let mut best: Option<(Vec3, f32)> = None;
@@ -151,19 +161,7 @@ pub(super) fn cheapest_place(
             best = Some((x, c));
         }
     }
-    best.map(|(x, c)| (x.into(), c))
-}
-
-/// Returns the cheapest of four places for the merged point, with attributes at the metric's own exchange rate.
-pub(super) fn cheapest_place_with(
-    metric: &impl ErrorMetric,
-    surface: &WorkingSurface,
-    pair: Pair,
-    attributes: &AttributeQuadric,
-) -> Option<([f32; 3], f32)> {
-    cheapest_place(surface, pair, |x| {
-        metric.cost(surface, pair, x) + metric.attribute_cost(surface, pair, attributes.at(x))
-    })
+    best.map(|(x, c)| Optimum::of_both(x.into(), c))
 }
 
 /// Returns the place with the least sum of squared volumes between the point and the region's triangles, nearest to the

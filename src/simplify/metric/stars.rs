@@ -15,9 +15,9 @@ use glam::{DVec3, Vec3};
 use crate::geometry::parallel;
 use crate::simplify::surface::WorkingSurface;
 
-use super::Pair;
 use super::region::at;
 use super::solve::Symmetric;
+use super::{MetricEvent, Pair};
 
 /// Weight of the plane of a triangle, as a length of its normal `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,8 +88,17 @@ impl StarSums {
         Self { normals: Vec::new(), stars: Vec::new(), weight, upright }
     }
 
+    /// Keeps the sums up to date: builds them at the start of a batch, and sums anew around a merged point.
+    pub fn follow(&mut self, surface: &WorkingSurface, event: MetricEvent<'_>) {
+        match event {
+            MetricEvent::Begin(_) => self.build(surface),
+            MetricEvent::Collapsing { .. } => {}
+            MetricEvent::Collapsed { pair } => self.update(surface, pair.kept),
+        }
+    }
+
     /// Sums up every star. O(n).
-    pub fn build(&mut self, surface: &WorkingSurface) {
+    fn build(&mut self, surface: &WorkingSurface) {
         let normal = |t: usize| {
             let points = surface.triangle(t as u32).map(|points| points.map(|p| at(surface, p)));
             points.map_or(Vec3::ZERO, |[p, q, r]| self.weight.apply((q - p).cross(r - p)).as_vec3())
@@ -99,7 +108,7 @@ impl StarSums {
     }
 
     /// Recomputes the sums changed by a collapse into `kept`: the stars of `kept` and of its neighbours.
-    pub fn update(&mut self, surface: &WorkingSurface, kept: u32) {
+    fn update(&mut self, surface: &WorkingSurface, kept: u32) {
         let p = at(surface, kept);
         for corner in surface.star(kept) {
             let [a, b] = corner.others.map(|o| at(surface, o) - p);

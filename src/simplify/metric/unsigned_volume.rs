@@ -15,10 +15,8 @@ use glam::{DVec3, Vec3};
 
 use crate::simplify::surface::WorkingSurface;
 
-use super::region::{
-    at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
-};
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair};
+use super::region::{at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
+use super::{AttributeQuadric, ErrorMetric, Loss, MetricProperties, Optimum, Pair};
 
 /// The sum of the volumes of the tetrahedra between the new position and the triangles around both points.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,37 +45,37 @@ pub(super) fn swept_to_kept(surface: &WorkingSurface, pair: Pair) -> f64 {
 }
 
 impl ErrorMetric for UnsignedVolume {
-    fn name(&self) -> &'static str {
-        "unsigned-volume"
-    }
-
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         finite(swept(surface, pair, x) + length(surface, pair) * swept_by_rims(surface, pair, x))
     }
 
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        let rims = swept_by_rims(surface, pair, at(surface, pair.kept));
-        finite(swept_to_kept(surface, pair) + length(surface, pair) * rims)
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        for (&kept, cost) in kept.iter().zip(costs) {
+            let pair = Pair { lost, kept };
+            let rims = swept_by_rims(surface, pair, at(surface, kept));
+            *cost = finite(swept_to_kept(surface, pair) + length(surface, pair) * rims);
+        }
     }
 
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
-    }
-
-    /// Volume between the surface and a copy offset by the deviation.
-    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
-        finite(off.volume())
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
-        cheapest_place_with(self, surface, pair, attributes)
+    ) -> Option<Optimum> {
+        cheapest_place(self, surface, pair, attributes)
+    }
+
+    /// Attributes: the volume between the surface and a copy offset by the deviation.
+    fn cost_of(&self, _: &WorkingSurface, _: Pair, loss: Loss) -> Option<f32> {
+        match loss {
+            Loss::Attributes(off) => Some(finite(off.volume())),
+            Loss::Deviation | Loss::Part(_) => None,
+        }
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("unsigned-volume")
     }
 }

@@ -16,10 +16,8 @@ use glam::{DVec3, Vec3};
 
 use crate::simplify::surface::WorkingSurface;
 
-use super::region::{
-    Facet, at, cheapest_place, cheapest_place_with, finite, for_lost, for_region, length, swept_by_rims,
-};
-use super::{AttributeQuadric, AttributeSum, Batch, ErrorMetric, Pair, VanishingLoss};
+use super::region::{Facet, at, cheapest_place, finite, for_lost, for_region, length, swept_by_rims};
+use super::{AttributeQuadric, ErrorMetric, Loss, MetricProperties, Optimum, Pair, VanishingLoss};
 
 /// The penalty of TOM: volume and area change, made for [`Placement::Endpoint`](crate::simplify::Placement::Endpoint).
 #[derive(Debug, Clone, Copy, Default)]
@@ -76,12 +74,6 @@ fn penalty(surface: &WorkingSurface, pair: Pair, change: &Change, x: DVec3) -> f
 }
 
 impl ErrorMetric for VolumeArea {
-    fn name(&self) -> &'static str {
-        "volume-area"
-    }
-
-    fn begin(&mut self, _: &WorkingSurface, _: Batch) {}
-
     fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let x = Vec3::from(position).as_dvec3();
         let mut change = Change::default();
@@ -89,38 +81,44 @@ impl ErrorMetric for VolumeArea {
         penalty(surface, pair, &change, x)
     }
 
-    fn cost_at_kept(&self, surface: &WorkingSurface, pair: Pair) -> f32 {
-        let x = at(surface, pair.kept);
-        let mut change = Change::default();
-        for_lost(surface, pair, |facet| change.add(&facet, x));
-        penalty(surface, pair, &change, x)
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        for (&kept, cost) in kept.iter().zip(costs) {
+            let pair = Pair { lost, kept };
+            let x = at(surface, kept);
+            let mut change = Change::default();
+            for_lost(surface, pair, |facet| change.add(&facet, x));
+            *cost = penalty(surface, pair, &change, x);
+        }
     }
 
-    fn optimum(&self, surface: &WorkingSurface, pair: Pair) -> Option<([f32; 3], f32)> {
-        cheapest_place(surface, pair, |x| self.cost(surface, pair, x))
-    }
-
-    /// Volume between the surface and a copy offset by the deviation to a single side: counted as swept volume and as
-    /// signed change.
-    fn attribute_cost(&self, _: &WorkingSurface, _: Pair, off: AttributeSum) -> f32 {
-        finite((1.0 + SIGNED) * off.volume())
-    }
-
-    /// Volume between the part and the remaining surface if the area of its triangles were the geometric mean of their
-    /// own area and the surface's mean. With their own area alone small parts cost next to nothing; with the surface's
-    /// mean alone they wait until all go at once.
-    fn vanishing_cost(&self, loss: VanishingLoss) -> Option<f32> {
-        let distance = (f64::from(loss.integral) / f64::from(loss.area)).sqrt();
-        let area = (f64::from(loss.area) * f64::from(loss.mean_area) * loss.triangles as f64).sqrt();
-        Some(finite((1.0 + SIGNED) * distance * area))
-    }
-
-    fn optimum_with(
+    fn optimum(
         &self,
         surface: &WorkingSurface,
         pair: Pair,
         attributes: &AttributeQuadric,
-    ) -> Option<([f32; 3], f32)> {
-        cheapest_place_with(self, surface, pair, attributes)
+    ) -> Option<Optimum> {
+        cheapest_place(self, surface, pair, attributes)
+    }
+
+    /// Attributes: the volume between the surface and a copy offset by the deviation to a single side, counted as swept
+    /// volume and as signed change.
+    ///
+    /// A part: the volume between the part and the remaining surface if the area of its triangles were the geometric mean
+    /// of their own area and the surface's mean. With their own area alone small parts cost next to nothing; with the
+    /// surface's mean alone they wait until all go at once.
+    fn cost_of(&self, _: &WorkingSurface, _: Pair, loss: Loss) -> Option<f32> {
+        match loss {
+            Loss::Attributes(off) => Some(finite((1.0 + SIGNED) * off.volume())),
+            Loss::Part(VanishingLoss { integral, area, triangles, mean_area }) => {
+                let distance = (f64::from(integral) / f64::from(area)).sqrt();
+                let area = (f64::from(area) * f64::from(mean_area) * triangles as f64).sqrt();
+                Some(finite((1.0 + SIGNED) * distance * area))
+            }
+            Loss::Deviation => None,
+        }
+    }
+
+    fn properties(&self) -> MetricProperties<'_> {
+        MetricProperties::named("volume-area")
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::mesh::{Attribute, Mesh, names};
 use crate::wavelet::bounds::all_bounds;
-use crate::wavelet::subdivision::build::Part;
+use crate::wavelet::subdivision::Part;
 use crate::wavelet::{Atlas, Subdivision, WaveletError, WaveletMesh};
 
 impl Subdivision {

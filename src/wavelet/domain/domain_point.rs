@@ -13,8 +13,8 @@
 //! So data given on the base (a texture, say) is defined for every set of wavelets.
 
 use crate::wavelet::Subdivision;
+use crate::wavelet::subdivision::Part;
 use crate::wavelet::subdivision::Side;
-use crate::wavelet::subdivision::build::Part;
 
 /// A point of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::adapt::{Change, Cut, DirtyRanges, RefinementSink};
+use crate::adapt::{AT_REST, Change, Cut, DirtyRanges, RefinementSink, Weights};
 use crate::lod::{
     Draws, Driver, Everything, Lod, LodError, LodOptions, Triangulation, Uploads, Values, Vertex,
     VertexBuffer,
@@ -45,9 +45,9 @@ impl<V: Vertex> Shown<V> {
         let packed = options.buffer == VertexBuffer::Packed;
         let mut shown = Self {
             surface: WaveletSurface::new(of, options.triangulation, mesh.groups()),
-            vertices: Vertices::new(of, values, packed, options.geomorph.is_some()),
+            vertices: Vertices::new(of, values, packed),
         };
-        shown.write(mesh);
+        shown.write(mesh, &AT_REST);
         shown
     }
 
@@ -56,9 +56,9 @@ impl<V: Vertex> Shown<V> {
         self.vertices.set(wavelet, comes);
     }
 
-    fn write(&mut self, mesh: &WaveletMesh) {
+    fn write(&mut self, mesh: &WaveletMesh, weights: &Weights) {
         let Self { surface, vertices } = self;
-        vertices.update(mesh.subdivision(), surface);
+        vertices.update(mesh.subdivision(), surface, weights);
         surface.write(mesh.subdivision(), |vertex| vertices.name(vertex), |base_face| mesh.group(base_face));
     }
 }
@@ -79,29 +79,20 @@ impl<V: Vertex> RefinementSink for Sink<'_, V> {
         self.shown.surface.uses().cost(self.mesh.subdivision(), wavelet, comes)
     }
 
-    fn advance(&mut self, progress: f32) {
-        self.shown.vertices.advance(self.mesh.subdivision(), progress);
+    fn advance(&mut self, weights: &Weights) {
+        self.shown.vertices.advance(self.mesh.subdivision(), weights);
     }
 
-    fn refine(&mut self, wavelet: u32, smoothly: bool, _: impl Fn(u32) -> bool + Copy) {
+    fn refine(&mut self, wavelet: u32, _smoothly: bool, _: impl Fn(u32) -> bool + Copy) {
         self.shown.change(self.mesh, wavelet, true);
-        if smoothly {
-            self.shown.vertices.start(wavelet, 1.0, true);
-        }
     }
 
     fn coarsen(&mut self, wavelet: u32) {
-        self.shown.vertices.end(wavelet);
         self.shown.change(self.mesh, wavelet, false);
     }
 
-    fn close(&mut self, wavelet: u32) {
-        self.shown.vertices.start(wavelet, 0.0, false);
-    }
-
-    fn reopen(&mut self, wavelet: u32) {
-        self.shown.vertices.start(wavelet, 1.0, false);
-    }
+    /// Nothing to do: vertices are placed by the weight, which turns by itself.
+    fn turn(&mut self, _: u32) {}
 }
 
 /// Fails if the options need blending and the values cannot be blended.
@@ -154,7 +145,7 @@ impl<V: Vertex> WaveletLod<V> {
         if options.triangles.is_none() {
             self.asked = None;
         }
-        self.shown.write(&self.mesh);
+        self.shown.write(&self.mesh, self.driver.weights());
     }
 
     /// Rebuilds triangles and vertices for other options. Finishes transitions: the cut is drawn, every vertex at its place.
@@ -166,7 +157,7 @@ impl<V: Vertex> WaveletLod<V> {
         for wavelet in wavelets.filter(|&wavelet| self.shown.vertices.is_set(wavelet)) {
             shown.change(&self.mesh, wavelet, true);
         }
-        shown.write(&self.mesh);
+        shown.write(&self.mesh, &AT_REST);
         shown.surface.invalidate();
         shown.vertices.invalidate();
         self.shown = shown;
@@ -231,7 +222,7 @@ impl<V: Vertex> WaveletLod<V> {
     fn revalue(&mut self, changed: &[u32]) {
         let Shown { surface, vertices } = &mut self.shown;
         vertices.revalue(self.mesh.subdivision(), surface, changed);
-        self.shown.write(&self.mesh);
+        self.shown.write(&self.mesh, self.driver.weights());
         self.driver.forget();
     }
 
@@ -269,7 +260,7 @@ impl<V: Vertex> WaveletLod<V> {
 
     /// Number of wavelets in transition.
     pub fn moving(&self) -> usize {
-        self.shown.vertices.moving()
+        self.driver.weights().len()
     }
 
     /// Per triangle of a group, its base face, for textures by base face. O(level) a triangle.
@@ -312,7 +303,7 @@ impl<V: Vertex> WaveletLod<V> {
             uses.map_or(0, |uses| uses.change(mesh.subdivision(), wavelet, comes, &mut ()))
         };
         let mut change = go(driver, mesh, &mut Sink { mesh, shown }, &mut cost);
-        shown.write(mesh);
+        shown.write(mesh, driver.weights());
         change.triangles = shown.surface.triangle_count();
         change
     }
@@ -333,7 +324,7 @@ impl<V: Vertex> Lod for WaveletLod<V> {
     fn settle(&mut self) {
         let Self { mesh, driver, shown, .. } = self;
         driver.settle(&**mesh, &mut Sink { mesh, shown });
-        self.shown.write(&self.mesh);
+        self.shown.write(&self.mesh, self.driver.weights());
     }
 
     fn options(&self) -> &LodOptions {

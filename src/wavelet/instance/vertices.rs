@@ -10,7 +10,7 @@
 //! which came, went or move, and vertices whose ends did. At each finer level, a vertex is an end of an edge in every direction
 //! (an *incident edge* and its inner halves).
 
-use crate::adapt::{Dirty, DirtyRanges};
+use crate::adapt::{Dirty, DirtyRanges, Transition, Weights};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 use crate::wavelet::subdivision::Subdivision;
@@ -22,16 +22,6 @@ const SET: u8 = 1;
 /// The wavelet's vertices are at their own places.
 const AT_REST: u8 = 2;
 const QUEUED: u8 = 4;
-
-/// A wavelet whose weight is changing.
-#[derive(Debug, Clone, Copy)]
-struct Transition {
-    wavelet: u32,
-    from: f32,
-    to: f32,
-    /// Share of the transition done, 0 to 1.
-    gone: f32,
-}
 
 /// Slots of the vertices in use. Freed slots are reused, so some slots may be unused.
 #[derive(Debug, Clone, Default)]
@@ -54,14 +44,11 @@ pub(crate) struct Vertices<V> {
     state: Vec<u8>,
     /// Wavelets to visit, by level.
     queue: Vec<Vec<u32>>,
-    transitions: Vec<Transition>,
-    /// Per wavelet the index of its transition, or `NONE`; empty without geomorphs.
-    transition_of: Vec<u32>,
 }
 
 impl<V: Vertex> Vertices<V> {
     /// Starts with the base mesh.
-    pub fn new(of: &Subdivision, values: Values<V>, packed: bool, moves: bool) -> Self {
+    pub fn new(of: &Subdivision, values: Values<V>, packed: bool) -> Self {
         let base = of.base_vertex_count();
         let slots = packed.then(|| {
             let mut slot_of = vec![NONE; of.vertex_count()];
@@ -79,8 +66,6 @@ impl<V: Vertex> Vertices<V> {
             slots,
             state: vec![0; of.wavelet_count()],
             queue: vec![Vec::new(); of.depth()],
-            transitions: Vec::new(),
-            transition_of: if moves { vec![NONE; of.wavelet_count()] } else { Vec::new() },
         }
     }
 
@@ -96,54 +81,14 @@ impl<V: Vertex> Vertices<V> {
         *state = if comes { *state | SET } else { *state & !SET };
     }
 
-    /// Starts moving a wavelet's weight to `to`, from its current weight, or from 0 if it is `new`.
-    pub fn start(&mut self, wavelet: u32, to: f32, new: bool) {
-        let from = if new { 0.0 } else { self.weight(wavelet) };
-        let transition = Transition { wavelet, from, to, gone: 0.0 };
-        match self.transition_of[wavelet as usize] {
-            NONE => {
-                self.transition_of[wavelet as usize] = self.transitions.len() as u32;
-                self.transitions.push(transition);
-            }
-            at => self.transitions[at as usize] = transition,
-        }
+    /// Visits all wavelets in transition.
+    pub fn advance(&mut self, of: &Subdivision, weights: &Weights) {
+        weights.all().iter().for_each(|transition| self.enqueue(of, transition.refinement));
     }
 
-    /// Ends a wavelet's transition: its weight is 1 in the set and 0 outside at once.
-    pub fn end(&mut self, wavelet: u32) {
-        let Some(at) = self.transition_of.get_mut(wavelet as usize) else { return };
-        let at = std::mem::replace(at, NONE);
-        if at != NONE {
-            self.transitions.swap_remove(at as usize);
-            if let Some(moved) = self.transitions.get(at as usize) {
-                self.transition_of[moved.wavelet as usize] = at;
-            }
-        }
-    }
-
-    /// Advances all transitions by a share of their way. Finished transitions to weights above 0 end.
-    pub fn advance(&mut self, of: &Subdivision, progress: f32) {
-        let mut at = 0;
-        while at < self.transitions.len() {
-            let transition = &mut self.transitions[at];
-            transition.gone = (transition.gone + progress).min(1.0);
-            let Transition { wavelet, to, gone, .. } = *transition;
-            self.enqueue(of, wavelet);
-            if gone >= 1.0 && to > 0.0 {
-                self.end(wavelet);
-            } else {
-                at += 1;
-            }
-        }
-    }
-
-    fn weight(&self, wavelet: u32) -> f32 {
-        let at = self.transition_of.get(wavelet as usize).copied().unwrap_or(NONE);
-        match self.transitions.get(at as usize) {
-            Some(t) if t.gone >= 1.0 => t.to,
-            Some(t) => t.from + (t.to - t.from) * t.gone,
-            None => f32::from(self.state[wavelet as usize] & SET != 0),
-        }
+    fn weight(&self, weights: &Weights, wavelet: u32) -> f32 {
+        let at_rest = || f32::from(self.state[wavelet as usize] & SET != 0);
+        weights.of(wavelet).map_or_else(at_rest, Transition::weight)
     }
 
     fn enqueue(&mut self, of: &Subdivision, wavelet: u32) {
@@ -155,7 +100,7 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Updates all changed vertices to where they are drawn. Must run before the surface is written.
-    pub fn update(&mut self, of: &Subdivision, surface: &WaveletSurface) {
+    pub fn update(&mut self, of: &Subdivision, surface: &WaveletSurface, weights: &Weights) {
         for &wavelet in surface.changed() {
             if surface.uses().is_used(wavelet) {
                 self.enqueue(of, wavelet);
@@ -170,7 +115,7 @@ impl<V: Vertex> Vertices<V> {
             while let Some(&wavelet) = self.queue[level].get(at) {
                 at += 1;
                 self.state[wavelet as usize] &= !QUEUED;
-                if surface.uses().is_used(wavelet) && self.place(of, wavelet) {
+                if surface.uses().is_used(wavelet) && self.place(of, weights, wavelet) {
                     self.wake_dependents(of, surface, wavelet);
                 }
             }
@@ -179,8 +124,8 @@ impl<V: Vertex> Vertices<V> {
     }
 
     /// Places a wavelet's vertices; returns whether they may have moved.
-    fn place(&mut self, of: &Subdivision, wavelet: u32) -> bool {
-        let weight = self.weight(wavelet);
+    fn place(&mut self, of: &Subdivision, weights: &Weights, wavelet: u32) -> bool {
+        let weight = self.weight(weights, wavelet);
         let was_at_rest = self.state[wavelet as usize] & AT_REST != 0;
         let mut at_rest = weight == 1.0;
         let own = of.vertex_of(wavelet);
@@ -342,11 +287,6 @@ impl<V: Vertex> Vertices<V> {
         self.slots.as_ref().map(|slots| &slots.vertices[..])
     }
 
-    /// Number of wavelets in transition.
-    pub fn moving(&self) -> usize {
-        self.transitions.len()
-    }
-
     pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
         self.dirty.ranges(self.drawn.len(), gap)
     }
@@ -360,11 +300,6 @@ impl<V: Vertex> Vertices<V> {
         let slots = self.slots.as_ref().map_or(0, |slots| {
             size_of_val(&slots.slot_of[..]) + size_of_val(&slots.vertices[..]) + size_of_val(&slots.free[..])
         });
-        size_of_val(&self.drawn[..])
-            + self.dirty.memory()
-            + self.state.len()
-            + size_of_val(&self.transition_of[..])
-            + size_of_val(&self.transitions[..])
-            + slots
+        size_of_val(&self.drawn[..]) + self.dirty.memory() + self.state.len() + slots
     }
 }

@@ -4,9 +4,11 @@
 //! edge runs in a single direction, its wavelet's: on the base from the lower end, a half as its whole edge, an inside
 //! edge as the side of the central child.
 
-use crate::mesh::{Edges, NONE};
+use crate::mesh::NONE;
 use crate::wavelet::WaveletError;
-use crate::wavelet::subdivision::{MOST_ALONG, MOST_FACES, MOST_LEVELS, Side, Subdivision};
+
+use super::base_edges::{edge_keys, number_edges, seam_edges};
+use super::{MOST_FACES, MOST_LEVELS, Part, Side, Subdivision};
 
 /// A subdivision under construction. All faces to split in a level are given before the next level.
 #[derive(Debug)]
@@ -33,41 +35,14 @@ impl SubdivisionBuilder {
         midpoints: &[[u32; 3]],
     ) -> Result<Self, WaveletError> {
         check_faces(corners.len())?;
-        let point_count = points.as_flattened().iter().max().map_or(0, |&max| max as usize + 1);
-        let by_ends = Edges::new(points, point_count);
-        let ends = by_ends.of_half_edges(points.len());
-        // Several edges may have the same ends.
-        let mut keys: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * points.len());
-        for (face, edges) in ends.iter().enumerate() {
-            for (side, &edge) in edges.iter().enumerate() {
-                let middle = midpoints.get(face).map_or(NONE, |sides| sides[side]);
-                // A face with a repeated point does not share the edge.
-                let alone = if edge == NONE { 3 * face as u32 + side as u32 } else { NONE };
-                keys.push(([edge, if edge == NONE { alone } else { middle }], 3 * face as u32 + side as u32));
-            }
-        }
-        keys.sort_unstable();
-        let mut edges = vec![[NONE; 3]; corners.len()];
-        let mut edge_count = 0;
-        for same in keys.chunk_by(|a, b| a.0 == b.0) {
-            if same.len() > MOST_ALONG {
-                let triangle = (same[0].1 / 3) as usize;
-                return Err(WaveletError::TooManyAlongEdge {
-                    triangle,
-                    count: same.len(),
-                    limit: MOST_ALONG,
-                });
-            }
-            same.iter().for_each(|key| edges.as_flattened_mut()[key.1 as usize] = edge_count as u32);
-            edge_count += 1;
-        }
+        let (edges, edge_count) = number_edges(&edge_keys(points, midpoints), corners.len())?;
         let runs = |p: &[u32; 3]| [0, 1, 2].map(|k| p[k] > p[(k + 1) % 3]);
         let against: Vec<[bool; 3]> = points.iter().map(runs).collect();
         Ok(Self::with_edges(corners, vertex_count as u32, edges, against, edge_count))
     }
 
     /// Creates a builder from the edges of the base faces. Per side its edge (never twice on a face, at most
-    /// [`MOST_ALONG`] times in all), and whether the side runs against the edge.
+    /// [`MOST_ALONG`](super::MOST_ALONG) times in all), and whether the side runs against the edge.
     pub fn with_edges(
         corners: Vec<[u32; 3]>,
         vertex_count: u32,
@@ -75,20 +50,7 @@ impl SubdivisionBuilder {
         against: Vec<[bool; 3]>,
         edge_count: usize,
     ) -> Self {
-        // An edge is a seam if its two ends, in order, are not the same vertices in all faces.
-        let mut seam = vec![false; edge_count];
-        let mut first = vec![[NONE; 2]; edge_count];
-        for face in 0..corners.len() {
-            for k in 0..3 {
-                let [a, b] = [corners[face][k], corners[face][(k + 1) % 3]];
-                let ends = if against[face][k] { [b, a] } else { [a, b] };
-                let edge = edges[face][k] as usize;
-                if first[edge] == [NONE; 2] {
-                    first[edge] = ends;
-                }
-                seam[edge] |= first[edge] != ends;
-            }
-        }
+        let seam = seam_edges(&corners, &edges, &against, edge_count);
         let count = corners.len() as u32;
         let done = Subdivision {
             base_sides: vec![[NONE; 3]; corners.len()],
@@ -165,34 +127,49 @@ impl SubdivisionBuilder {
         if new.is_empty() {
             return Ok(false);
         }
+        let end = faces.end as usize + 4 * new.len();
+        self.check_level(end)?;
+        let wavelets = self.add_wavelets(&new);
+        self.add_sides(&wavelets, split);
+        self.next_level(&wavelets, &new);
+        self.split_faces.extend(new);
+        self.done.face_levels.push(end as u32);
+        self.done.levels.push(wavelets.end);
+        self.done.split_count = self.split_faces.len() as u32;
+        self.index();
+        Ok(true)
+    }
+
+    /// Fails if there are too many levels, or too many faces with the next level, `end` in all.
+    fn check_level(&self, end: usize) -> Result<(), WaveletError> {
         if self.done.depth() == MOST_LEVELS {
             let (count, limit) = (MOST_LEVELS + 1, MOST_LEVELS);
             return Err(WaveletError::TooMany { what: "levels", count, limit });
         }
-        let end = faces.end as usize + 4 * new.len();
-        check_faces(end)?;
+        check_faces(end)
+    }
 
-        // Wavelets, in the order of the faces.
+    /// Adds a wavelet on each edge of the split faces, in the order of the faces.
+    fn add_wavelets(&mut self, split_faces: &[u32]) -> LevelWavelets {
         let first = self.done.along.len() as u32;
-        let mut wavelet_on = vec![NONE; self.edge_count];
-        let mut wavelets = 0;
-        for &face in &new {
-            let sides = self.edges[(face - faces.start) as usize].map(|edge| {
-                let wavelet = &mut wavelet_on[edge as usize];
-                if *wavelet == NONE {
-                    *wavelet = first + wavelets;
-                    wavelets += 1;
-                }
-                *wavelet
-            });
+        let mut wavelets = LevelWavelets { first, end: first, on: vec![NONE; self.edge_count] };
+        let faces = self.last_level();
+        for &face in split_faces {
+            let sides = self.edges[(face - faces.start) as usize].map(|edge| wavelets.add(edge));
             self.done.sides.push(sides);
         }
+        self.done.along.resize(wavelets.end as usize, [Side::NONE; 2]);
+        wavelets
+    }
+
+    /// Lists the sides along each new wavelet's edge: of faces of the level, then of coarser faces.
+    fn add_sides(&mut self, wavelets: &LevelWavelets, split: &[bool]) {
+        let faces = self.last_level();
         let mut coarser: Vec<(u32, Side)> = Vec::new();
-        self.done.along.resize((first + wavelets) as usize, [Side::NONE; 2]);
         for face in faces.clone() {
             let at = (face - faces.start) as usize;
             for k in 0..3 {
-                let wavelet = wavelet_on[self.edges[at][k] as usize];
+                let wavelet = wavelets.on[self.edges[at][k] as usize];
                 if faces.start == 0 {
                     self.done.base_sides[at][k] = wavelet;
                 }
@@ -207,26 +184,30 @@ impl SubdivisionBuilder {
             }
         }
         for (edge, side) in std::mem::take(&mut self.coarser) {
-            let wavelet = wavelet_on[edge as usize];
+            let wavelet = wavelets.on[edge as usize];
             if wavelet != NONE {
                 self.add(wavelet, side);
                 coarser.push((wavelet, side));
             }
         }
-        let halves = |&(wavelet, side): &(u32, Side)| [0, 1].map(|half| (2 * (wavelet - first) + half, side));
+        let halves = |&(wavelet, side): &(u32, Side)| [0, 1].map(|half| (wavelets.half(wavelet, half), side));
         self.coarser = coarser.iter().flat_map(halves).collect();
+    }
 
-        // Faces and edges of the next level.
-        let inside = 2 * wavelets;
-        let mut edges = Vec::with_capacity(4 * new.len());
-        let mut against = Vec::with_capacity(4 * new.len());
-        let mut seam = vec![false; inside as usize + 3 * new.len()];
-        for (rank, &face) in new.iter().enumerate() {
-            let at = (face - faces.start) as usize;
+    /// Replaces the edges of the last level by those of the children: the halves of split edges, then three edges inside
+    /// every split face.
+    fn next_level(&mut self, wavelets: &LevelWavelets, split_faces: &[u32]) {
+        let start = self.last_level().start;
+        let inside = 2 * (wavelets.end - wavelets.first);
+        let mut edges = Vec::with_capacity(4 * split_faces.len());
+        let mut against = Vec::with_capacity(4 * split_faces.len());
+        let mut seam = vec![false; inside as usize + 3 * split_faces.len()];
+        for (rank, &face) in split_faces.iter().enumerate() {
+            let at = (face - start) as usize;
             let whole = self.edges[at];
             let runs = self.against[at];
             let half = |k: usize, half: u32| {
-                2 * (wavelet_on[whole[k] as usize] - first) + (half ^ u32::from(runs[k]))
+                wavelets.half(wavelets.on[whole[k] as usize], half ^ u32::from(runs[k]))
             };
             let inner = |k: usize| inside + 3 * rank as u32 + k as u32;
             for i in 0..3 {
@@ -243,12 +224,6 @@ impl SubdivisionBuilder {
         }
         self.edge_count = seam.len();
         (self.edges, self.against, self.seam) = (edges, against, seam);
-        self.split_faces.extend(new);
-        self.done.face_levels.push(end as u32);
-        self.done.levels.push(first + wavelets);
-        self.done.split_count = self.split_faces.len() as u32;
-        self.index();
-        Ok(true)
     }
 
     fn add(&mut self, wavelet: u32, side: Side) {
@@ -316,81 +291,35 @@ impl SubdivisionBuilder {
     }
 }
 
-impl Subdivision {
-    /// Gives each wavelet a vertex for every distinct key of the `looked_at` sides along its edge. `key` gets wavelet,
-    /// face, side and part. For an unsplit face `key` returns the first side's key, or a key of no other side.
-    pub(crate) fn tell_apart<K: PartialEq>(
-        &mut self,
-        looked_at: impl Fn(&Self, Side) -> bool,
-        key: impl Fn(&Self, u32, u32, usize, Part) -> K,
-    ) {
-        let first = (self.base_vertices as usize + self.along.len()) as u32;
-        let mut known: Vec<(K, u32)> = Vec::new();
-        for wavelet in 0..self.along.len() as u32 {
-            known.clear();
-            let sides: Vec<Side> = self.faces_along(wavelet).filter(|&side| looked_at(self, side)).collect();
-            let mut interior_seams = false;
-            for along in sides {
-                let (face, side) = (along.face(), along.side());
-                let vertices = Part::ALL.map(|part| {
-                    let key = key(self, wavelet, face, side, part);
-                    let at = known.iter().position(|known| known.0 == key).unwrap_or_else(|| {
-                        let own = if known.is_empty() {
-                            self.vertex_of(wavelet)
-                        } else {
-                            self.seam_vertices.push((wavelet, along));
-                            first + self.seam_vertices.len() as u32 - 1
-                        };
-                        known.push((key, own));
-                        known.len() - 1
-                    });
-                    known[at].1
-                });
-                if !self.is_split(face) {
-                    continue;
-                }
-                interior_seams |= vertices.iter().any(|&vertex| vertex != vertices[0]);
-                for (part, vertex) in Part::ALL.into_iter().zip(vertices) {
-                    if vertex != self.vertex_of(wavelet) {
-                        let (child, corner) = part.corner(side);
-                        self.seams.push((self.child(face, child) << 2 | corner as u32, vertex));
-                        self.mark_seam(face, side);
-                    }
-                }
-            }
-            if interior_seams {
-                self.interior_seams.push(wavelet);
-            }
-        }
-        self.seams.sort_unstable();
-    }
-}
-
-/// Children of a split face meeting at the midpoint of a side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
-    First,
-    Second,
-    Centre,
-}
-
-impl Part {
-    pub const ALL: [Self; 3] = [Self::First, Self::Second, Self::Centre];
-
-    /// Returns the child, and its corner at the midpoint of the side.
-    pub fn corner(self, side: usize) -> (usize, usize) {
-        match self {
-            Self::First => (side, 1),
-            Self::Second => ((side + 1) % 3, 2),
-            Self::Centre => (3, side),
-        }
-    }
-}
-
 fn check_faces(count: usize) -> Result<(), WaveletError> {
     if count > MOST_FACES {
         Err(WaveletError::TooMany { what: "faces", count, limit: MOST_FACES })
     } else {
         Ok(())
+    }
+}
+
+/// Wavelets of a level under construction.
+struct LevelWavelets {
+    first: u32,
+    end: u32,
+    /// Per edge of the level its wavelet, or `NONE`.
+    on: Vec<u32>,
+}
+
+impl LevelWavelets {
+    /// Returns the wavelet on an edge; adds it if there is none.
+    fn add(&mut self, edge: u32) -> u32 {
+        let wavelet = &mut self.on[edge as usize];
+        if *wavelet == NONE {
+            *wavelet = self.end;
+            self.end += 1;
+        }
+        *wavelet
+    }
+
+    /// Returns a half of the wavelet's edge, as an edge of the next level.
+    fn half(&self, wavelet: u32, half: u32) -> u32 {
+        2 * (wavelet - self.first) + half
     }
 }

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use crate::mesh::NONE;
-use crate::wavelet::subdivision::build::Part;
+use crate::wavelet::subdivision::Part;
 
 use super::super::{Subdivision, WaveletError, WaveletMesh};
 
