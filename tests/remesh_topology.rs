@@ -249,7 +249,7 @@ mod files {
             for path in files {
                 let Ok(mesh) = multires::io::read(&path) else { continue };
                 let name = path.display();
-                if mesh.triangles().len() > 20_000 {
+                if mesh.triangles().len() > 5_000 {
                     continue;
                 }
                 let map = match Remesher::new().base_faces(100).run(&mesh) {
