@@ -398,3 +398,45 @@ fn real_models() {
         assert!(length(&answer["distance"]["both"]["mean_percent"]) < mean_percent, "{name}: {answer}");
     }
 }
+
+#[test]
+fn pictures_are_baked_and_referred_to() {
+    let folder = Folder::new("cli_remesh_bake");
+    let [input, output, texture, pictures] =
+        ["in.glb", "out.gltf", "texture.png", "pictures"].map(|name| folder.file(name));
+    io::write(&input, &shapes::uv_sphere(32, 16)).unwrap();
+    // A texture of one colour.
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&[10, 200, 30].repeat(4)).unwrap();
+    std::fs::write(&texture, bytes).unwrap();
+
+    let [to, from] = [&pictures, &texture].map(|path| path.display().to_string());
+    let how = format!("--levels 2 --base 40 --bake {to} --texture {from} --texels 256");
+    let answer = json("remesh", &[&input, &output], &how).answer();
+    assert_eq!(answer["baked"]["texels"], 256);
+    assert_eq!(answer["baked"]["pictures"].as_array().unwrap().len(), 2);
+    let document: Value = serde_json::from_slice(&std::fs::read(&output).unwrap()).unwrap();
+    let uris: Vec<&str> =
+        document["images"].as_array().unwrap().iter().map(|image| image["uri"].as_str().unwrap()).collect();
+    assert_eq!(uris, ["pictures/base_color.png", "pictures/normal.png"]);
+    let mesh = io::read(&output).unwrap();
+    assert!([names::UV, names::TANGENT, names::NORMAL].iter().all(|name| mesh.attribute(name).is_some()));
+    assert_eq!(mesh.triangles().len(), number(&answer["triangles"]));
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(Path::new(&to).join("base_color.png")).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut texels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut texels).unwrap();
+    let filled = texels.chunks_exact(4).filter(|texel| texel == &[10, 200, 30, 255]).count();
+    assert!(filled > 256 * 256 / 4 && texels.chunks_exact(4).all(|t| t == [10, 200, 30, 255] || t == [0; 4]));
+
+    // Pictures need a level, and a file that refers to them.
+    let uniform = format!("--levels 2 --bake {to}");
+    let other = folder.file("out.ply");
+    let said = json("remesh", &[&input, &other], &uniform);
+    assert!(said.code == Some(2) && said.err.contains("--bake"), "{said:?}");
+    let adaptive = format!("--error-percent 1 --bake {to}");
+    let said = json("remesh", &[&input, &output], &adaptive);
+    assert!(said.code == Some(2) && said.err.contains("--levels"), "{said:?}");
+}

@@ -262,7 +262,7 @@ impl Build {
         let mut notes = imported.notes;
         if self.remesh {
             let how = (&self.deep, &self.base, self.given.metric());
-            let Remeshed { baked, members, rows, warnings } =
+            let Remeshed { baked, members, rows, warnings, .. } =
                 Remeshed::new(&mesh, how, &options).map_err(|failure| failure.about(&self.input))?;
             notes.extend(warnings);
             let members = vec![("remesh", members.into_iter().collect())];

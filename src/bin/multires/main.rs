@@ -21,6 +21,7 @@
 
 mod adapt;
 mod advice;
+mod bake;
 mod batches;
 mod build;
 mod camera;

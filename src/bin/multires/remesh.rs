@@ -13,6 +13,7 @@ use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
 
+use crate::bake::Baking;
 use crate::extract::round_down;
 use crate::facts::Facts;
 use crate::files;
@@ -51,6 +52,8 @@ pub struct Remesh {
     metric: String,
     #[command(flatten)]
     preparation: Preparation,
+    #[command(flatten)]
+    baking: Baking,
     /// Measure the distances between IN and the remesh, both ways.
     #[arg(long)]
     measure: bool,
@@ -135,6 +138,7 @@ impl Base {
 /// A remesh, and facts to report.
 pub struct Remeshed {
     pub baked: Baked<WaveletMesh>,
+    pub map: Parameterisation,
     pub members: Vec<(&'static str, Value)>,
     pub rows: Table,
     pub warnings: Vec<String>,
@@ -216,7 +220,7 @@ impl Remeshed {
         rows.row("angles stretched by", spread_text(&distortion.angle));
         rows.row("areas stretched by", spread_text(&distortion.area));
         rows.row("folded", format!("{folded} triangles; {unfolded} unfolded"));
-        Ok(Self { baked, members, rows, warnings })
+        Ok(Self { baked, map, members, rows, warnings })
     }
 }
 
@@ -277,6 +281,7 @@ fn spread_text(spread: &Spread) -> String {
 impl Run for Remesh {
     fn run(&self) -> Result<Answer, Failure> {
         self.deep.check()?;
+        self.baking.check(&self.output, self.deep.levels.is_some())?;
         let is_baked = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("mres"));
         match is_baked {
             true => files::check_place(&self.output)?,
@@ -289,11 +294,13 @@ impl Run for Remesh {
         let start = Instant::now();
         let how = (&self.deep, &self.base, Some(&*self.metric));
         let remeshed = Remeshed::new(&mesh, how, &WaveletOptions::default());
-        let Remeshed { baked, members, rows, warnings: found } =
+        let Remeshed { baked, map, members, rows, warnings: found } =
             remeshed.map_err(|failure| failure.about(&self.input))?;
         let mut seconds = start.elapsed().as_secs_f64();
         let mut warnings = imported.notes;
         warnings.extend(found);
+        let pictures = self.baking.run(&mesh, &map, baked.structure(), &self.output)?;
+        drop(map);
 
         let finest = (self.measure || !is_baked).then(|| baked.structure().finest(Normals::Kept));
         let mut distance = None;
@@ -307,7 +314,14 @@ impl Run for Remesh {
         let of = baked.structure().subdivision();
         let (levels, triangles, vertices) = (of.depth(), of.triangle_count(), of.vertex_count());
         let model = Model(Box::new(baked));
+        let finest = pictures.as_ref().map(|pictures| pictures.mesh.clone()).or(finest);
         let (output, output_text) = match &finest {
+            Some(finest) if pictures.is_some() => {
+                if let Some(pictures) = &pictures {
+                    pictures.write(&self.output)?;
+                }
+                (files::describe(&self.output, finest), files::describe_text(&self.output, finest))
+            }
             Some(finest) if !is_baked => {
                 files::write_mesh(&self.output, finest)?;
                 (files::describe(&self.output, finest), files::describe_text(&self.output, finest))
@@ -330,10 +344,16 @@ impl Run for Remesh {
             "seconds": seconds,
             "warnings": warnings,
         });
+        if let Some(pictures) = &pictures {
+            json["baked"] = pictures.json.clone();
+        }
         simplify::add(&mut json, members);
         let mut table = Table::default();
         table.row("input", input_text);
         table.row("output", output_text);
+        if let Some(pictures) = &pictures {
+            table.row("baked", &pictures.text);
+        }
         table.block(rows.text());
         if is_baked {
             let facts = Facts::new(&model);
