@@ -3,6 +3,17 @@
 use std::ops::Range;
 
 /// A set of written elements, one bit an element.
+///
+/// ```
+/// use multires::adapt::Dirty;
+///
+/// let mut dirty = Dirty::default();
+/// [3, 4, 9].into_iter().for_each(|element| dirty.mark(element));
+/// let ranges: Vec<_> = dirty.ranges(10, 0).collect();
+/// assert_eq!(ranges, [3..5, 9..10]);
+/// let ranges: Vec<_> = dirty.ranges(10, 4).collect(); // gaps of up to 4 are written along
+/// assert_eq!(ranges, [3..10]);
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Dirty {
     words: Vec<u64>,

@@ -21,15 +21,18 @@ pub(crate) struct Transition {
 
 impl Transition {
     /// Whether the refinement is on its way out.
+    #[inline]
     pub fn is_closing(&self) -> bool {
         self.to == 0.0
     }
 
+    #[inline]
     pub fn is_over(&self) -> bool {
         self.share >= 1.0
     }
 
     /// Returns the current weight: 0 without the refinement, 1 with it.
+    #[inline]
     pub fn weight(&self) -> f32 {
         if self.is_over() { self.to } else { self.from + (self.to - self.from) * self.share }
     }
@@ -58,6 +61,7 @@ impl Weights {
     }
 
     /// Returns all transitions, in no order.
+    #[inline]
     pub fn all(&self) -> &[Transition] {
         &self.transitions
     }

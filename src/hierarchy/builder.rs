@@ -7,6 +7,17 @@ use crate::simplify::{Order, Placement};
 use super::{Dependencies, HierarchyOptions, VertexHierarchy};
 
 /// A [`Builder`] of hierarchies: how to simplify a mesh, and how near cuts must stay to meshes seen by the simplifier.
+///
+/// ```
+/// use multires::hierarchy::{Dependencies, HierarchyBuilder};
+/// use multires::{Placement, Simplifier, mesh::shapes};
+///
+/// let simplifier = Simplifier::new().placement(Placement::Optimal);
+/// let mut builder = HierarchyBuilder::new().simplifier(simplifier).dependencies(Dependencies::Adjacent);
+/// let model = builder.bake(&shapes::icosphere(3))?;
+/// assert!(model.structure().base_triangle_count() < model.structure().triangle_count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub type HierarchyBuilder<M = Quadric> = Builder<VertexHierarchy, M>;
 
 impl HierarchyBuilder {

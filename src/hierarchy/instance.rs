@@ -22,6 +22,19 @@ use super::{CutSurface, VertexHierarchy};
 /// once. Source of overlapping geomorphs: Hoppe 1998 (Smooth view-dependent level-of-detail control, section 5).
 ///
 /// Without a type of values, an instance has triangles alone ([`HierarchyLod::new`]), and its vertex buffer has no bytes.
+///
+/// ```
+/// use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+/// use multires::{Lod, Structure, mesh::shapes};
+///
+/// // Triangles alone, over a vertex buffer of the application's own.
+/// let model = VertexHierarchy::bake(&shapes::icosphere(3))?;
+/// let mut lod = HierarchyLod::new(model.structure().clone());
+/// let base = lod.triangles(0).len();
+/// lod.refine_fully();
+/// assert!(lod.triangles(0).len() > base);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct HierarchyLod<V = ()> {
     hierarchy: Arc<VertexHierarchy>,

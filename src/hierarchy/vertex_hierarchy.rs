@@ -15,6 +15,19 @@ use super::HierarchyParts;
 /// leaves represented by a vertex are consecutive. New vertices follow.
 ///
 /// serde uses [`HierarchyParts`], and validates ([`VertexHierarchy::validate`]).
+///
+/// ```
+/// use multires::view::{View, look_at};
+/// use multires::{Lod, LodOptions, Structure, hierarchy::VertexHierarchy, mesh::shapes};
+///
+/// let mesh = shapes::rock(2_000, 1);
+/// let model = VertexHierarchy::bake(&mesh)?;
+/// let mut lod = model.instance(model.arrange(mesh.positions())?, &LodOptions::default())?;
+/// let camera = look_at([0.0, 0.5, 3.0], [0.0; 3], [0.0, 1.0, 0.0]);
+/// let change = lod.adapt(&[View::perspective(camera, 1.0, [1920, 1080])?.of_world()], 1.0 / 60.0);
+/// assert!(change.triangles <= model.structure().triangle_count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "HierarchyParts"))]

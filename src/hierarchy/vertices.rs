@@ -36,6 +36,7 @@ struct Moving<V> {
     /// Per vertex, its entry, or `NONE`.
     entry_of: Vec<u32>,
     entries: Vec<Entry<V>>,
+    /// Entries which wait for their substitutes.
     chain: Vec<u32>,
     /// Vertices which came to rest in this frame, after moving or at once.
     rested: Vec<u32>,
@@ -249,35 +250,39 @@ impl<V: Vertex> Moving<V> {
 
     /// Computes the current value of an entry. If the entry moves to its substitute, computes the substitute's value
     /// first.
-    fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights, at: usize) {
-        self.chain.clear();
-        let mut next = at as u32;
-        while let Some(entry) = self.entries.get(next as usize).filter(|entry| !entry.done) {
-            self.chain.push(next);
-            if !weights.of(entry.split).is_some_and(Transition::is_closing) {
-                break;
+    fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights, mut at: u32) {
+        loop {
+            let Entry { vertex, split, .. } = self.entries[at as usize];
+            let transition = weights.of(split);
+            let mut goal = values[vertex as usize];
+            if transition.is_some_and(Transition::is_closing) {
+                let substitute = hierarchy.substitute[vertex as usize];
+                let next = self.entry_of[substitute as usize];
+                goal = match self.entries.get(next as usize) {
+                    Some(entry) if !entry.done => {
+                        self.chain.push(at);
+                        at = next;
+                        continue;
+                    }
+                    Some(entry) => entry.shown,
+                    None => values[substitute as usize],
+                };
             }
-            next = self.entry_of[hierarchy.substitute[entry.vertex as usize] as usize];
-        }
-        while let Some(at) = self.chain.pop() {
-            let Entry { vertex, split, start, .. } = self.entries[at as usize];
-            let (goal, share) = match weights.of(split) {
-                Some(t) if t.is_closing() => {
-                    (self.shown(values, hierarchy.substitute[vertex as usize]), t.share)
-                }
-                transition => (values[vertex as usize], transition.map_or(1.0, |t| t.share)),
-            };
-            let shown = (self.mix.blend)(&start, &goal, share);
+            let share = transition.map_or(1.0, |transition| transition.share);
             let entry = &mut self.entries[at as usize];
-            entry.shown = shown;
+            entry.shown = (self.mix.blend)(&entry.start, &goal, share);
             entry.done = true;
+            let Some(waiting) = self.chain.pop() else { return };
+            at = waiting;
         }
     }
 
     fn advance(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights) {
         self.entries.iter_mut().for_each(|entry| entry.done = false);
         for at in 0..self.entries.len() {
-            self.find(hierarchy, values, weights, at);
+            if !self.entries[at].done {
+                self.find(hierarchy, values, weights, at as u32);
+            }
         }
         let there =
             weights.all().iter().filter(|transition| transition.is_over() && !transition.is_closing());

@@ -97,6 +97,20 @@ pub fn unbake_model<V: Vertex>(bytes: &[u8]) -> Result<Box<dyn StoredModel<V>>, 
 ///
 /// # Errors
 /// Errors of [`unbake_model`] and of the operating system.
+///
+/// ```
+/// use multires::{LodOptions, Structure, hierarchy::VertexHierarchy, io, mesh::shapes};
+///
+/// let path = std::env::temp_dir().join(format!("multires-{}.mres", std::process::id()));
+/// let mesh = shapes::icosphere(2);
+/// VertexHierarchy::bake(&mesh)?.write(&path)?;
+/// let model = io::read_model::<[f32; 3]>(&path)?; // of any structure
+/// std::fs::remove_file(&path)?;
+/// let values = model.origins().arrange(mesh.positions())?.into();
+/// let lod = model.instance(&values, &LodOptions::default())?;
+/// assert_eq!(lod.groups(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_model<V: Vertex>(path: impl AsRef<Path>) -> Result<Box<dyn StoredModel<V>>, BakeError> {
     unbake_model(&read_bytes(path.as_ref())?)
 }

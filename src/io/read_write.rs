@@ -12,6 +12,17 @@ use super::{
 ///
 /// # Errors
 /// See [`ReadError`]; every message is a single line naming the place.
+///
+/// ```
+/// use multires::{io, mesh::shapes};
+///
+/// let path = std::env::temp_dir().join(format!("multires-{}.ply", std::process::id()));
+/// io::write(&path, &shapes::icosphere(1))?;
+/// let mesh = io::read(&path)?;
+/// std::fs::remove_file(&path)?;
+/// assert_eq!(mesh.triangles().len(), 80);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
     Ok(read_with(path, &ReadOptions::default())?.mesh)
 }
@@ -94,6 +105,16 @@ pub fn write_textured(
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] if the format cannot hold the mesh.
+///
+/// ```
+/// use multires::io::{Format, read_bytes, write_bytes};
+/// use multires::mesh::shapes;
+///
+/// let mesh = shapes::icosphere(1);
+/// let bytes = write_bytes(Format::Glb, &mesh)?;
+/// assert_eq!(read_bytes(Format::Glb, &bytes)?.triangles(), mesh.triangles());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_bytes(format: Format, mesh: &Mesh) -> Result<Vec<u8>, WriteError> {
     match format {
         Format::Obj => Ok(obj::write(mesh)),

@@ -14,6 +14,18 @@ use super::{Extracted, FromSequence, Level, LodError, LodOptions, Origins, Struc
 ///
 /// Made by [`Structure::bake`], by [`Baked::of_sequence`] and from files, which are checked ([`Baked::from_bytes`], serde).
 /// Duplicates and vertices used by no triangle are left out, except in a base mesh on which wavelets were built.
+///
+/// ```
+/// use multires::{Level, Structure, mesh::shapes, tom::TotallyOrderedMesh};
+///
+/// let mesh = shapes::icosphere(3);
+/// let model = TotallyOrderedMesh::bake(&mesh)?;
+/// let level = model.level(Level::Ratio(0.25));
+/// assert!(level.mesh.triangles().len() <= mesh.triangles().len() / 4);
+/// let values = model.arrange(mesh.positions())?; // an engine's values, in the order of the model
+/// assert_eq!(values.len(), model.vertices().positions().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Baked<S: Structure> {
     structure: Arc<S>,
     shared: Arc<Shared<S>>,

@@ -4,6 +4,16 @@ use crate::mesh::Mesh;
 
 /// A level of detail to ask for. A count or ratio gives the finest level within it, or else the coarsest level of the
 /// model. An error gives the coarsest level within it.
+///
+/// ```
+/// use multires::{Level, Structure, hierarchy::VertexHierarchy, mesh::shapes};
+///
+/// let model = VertexHierarchy::bake(&shapes::icosphere(3))?;
+/// let level = model.level(Level::Triangles(300));
+/// assert!(level.mesh.triangles().len() <= 300);
+/// assert!(level.error <= model.level(Level::Triangles(100)).error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Level {

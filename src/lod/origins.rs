@@ -21,6 +21,17 @@ pub struct Mixture {
 }
 
 /// Origin of every vertex of a structure: an input vertex, or a mixture of other vertices.
+///
+/// ```
+/// use multires::{Structure, mesh::shapes, tom::TotallyOrderedMesh};
+///
+/// let mesh = shapes::icosphere(2);
+/// let model = TotallyOrderedMesh::bake(&mesh)?;
+/// let names: Vec<String> = (0..mesh.positions().len()).map(|v| format!("vertex {v}")).collect();
+/// let ordered = model.origins().arrange_any(&names)?; // values of any type
+/// assert_eq!(ordered[0], names[model.origins().order()[0] as usize]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts"))]

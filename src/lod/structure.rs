@@ -35,6 +35,20 @@ impl VertexRank {
 }
 
 /// A multiresolution structure: topology alone, or with the vertices of its bounds. Immutable, shared by instances.
+///
+/// ```
+/// use multires::mesh::{Mesh, shapes};
+/// use multires::{Level, Structure, hierarchy::VertexHierarchy, tom::TotallyOrderedMesh};
+///
+/// fn halved<S: Structure>(mesh: &Mesh) -> Option<usize> {
+///     Some(S::bake(mesh).ok()?.level(Level::Ratio(0.5)).mesh.triangles().len())
+/// }
+///
+/// let mesh = shapes::icosphere(3);
+/// for triangles in [halved::<TotallyOrderedMesh>(&mesh), halved::<VertexHierarchy>(&mesh)] {
+///     assert!(triangles.is_some_and(|triangles| triangles <= 640));
+/// }
+/// ```
 pub trait Structure: Sized + Send + Sync + 'static {
     /// Name of the structure's kind, as in baked files: at most 16 printable ASCII characters.
     const KIND: &'static str;

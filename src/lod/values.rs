@@ -29,6 +29,18 @@ pub(crate) struct Mix<V> {
 ///
 /// If vertices are to move, or to lie between others (wavelet meshes), the instance must be able to mix two values:
 /// [`Values::with_blending`].
+///
+/// ```
+/// use multires::{LodOptions, Structure, adapt::Geomorph, hierarchy::VertexHierarchy, mesh::shapes};
+///
+/// let mesh = shapes::icosphere(2);
+/// let model = VertexHierarchy::bake(&mesh)?;
+/// let values = model.arrange(mesh.positions())?;
+/// let moving = LodOptions::default().with_geomorph(Geomorph::default());
+/// assert!(model.instance(values.clone(), &moving).is_err()); // values that move must blend
+/// assert!(model.instance(values.with_blending(), &moving).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Values<V> {
     values: Arc<[V]>,

@@ -14,6 +14,14 @@ use crate::geometry::lists::prefix_sum;
 use super::MAX_ELEMENTS;
 
 /// The corners around every point. 4 bytes a point and 12 a triangle.
+///
+/// ```
+/// use multires::mesh::{Adjacency, shapes};
+///
+/// let mesh = shapes::tetrahedron();
+/// let adjacency = Adjacency::new(mesh.triangles(), mesh.positions().len());
+/// assert!((0..4).all(|point| adjacency.valence(point) == 3));
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Adjacency {
     /// Start of every point's corners; `points + 1` entries.

@@ -67,6 +67,17 @@ impl AttributeValues {
 }
 
 /// A named stream of values, `width` scalars per vertex.
+///
+/// ```
+/// use multires::mesh::{Attribute, shapes};
+///
+/// let mesh = shapes::icosphere(1);
+/// let heat: Vec<[f32; 1]> = mesh.positions().iter().map(|p| [p[1]]).collect();
+/// let mesh = mesh.with_attribute(Attribute::floats("heat", &heat))?;
+/// let heat = mesh.attribute("heat").and_then(|heat| heat.as_floats());
+/// assert_eq!(heat.map(<[f32]>::len), Some(mesh.positions().len()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attribute {

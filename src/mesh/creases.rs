@@ -46,6 +46,16 @@ pub enum NormalWeights {
 const ALL_WEIGHTS: [NormalWeights; 3] = [NormalWeights::Area, NormalWeights::Corner, NormalWeights::Equal];
 
 /// Crease angle and weights of computed normals.
+///
+/// ```
+/// use multires::mesh::{Creases, names, shapes};
+///
+/// // Smooth everywhere but across edges of more than 30 degrees.
+/// let cube = shapes::cube();
+/// let creases = Creases::with_angle(&cube, 30.0);
+/// let shaded = cube.with_crease_normals(&creases);
+/// assert!(shaded.attribute(names::NORMAL).is_some());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Creases {

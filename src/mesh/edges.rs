@@ -20,6 +20,15 @@ use crate::geometry::lists::prefix_sum;
 /// Every undirected edge once, with the half-edges along it. 16 bytes an edge and 4 a half-edge.
 ///
 /// Edges are numbered in ascending order of `[low end, high end]`.
+///
+/// ```
+/// use multires::mesh::{Edges, shapes};
+///
+/// let mesh = shapes::tetrahedron();
+/// let edges = Edges::new(mesh.triangles(), mesh.positions().len());
+/// assert_eq!(edges.len(), 6);
+/// assert!((0..6).all(|edge| !edges.is_border(edge)));
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Edges {
     ends: Vec<[u32; 2]>,

@@ -18,6 +18,14 @@ use super::near::near_twins;
 use super::{Edges, Mesh, NONE, Topology, names};
 
 /// Counts of the parts of a mesh. *Vertices* are stored vertices ([`Report::new`]) or points ([`Report::welded`]).
+///
+/// ```
+/// use multires::mesh::{Report, shapes};
+///
+/// let report = Report::new(&shapes::torus(1.0, 0.4, 16, 8));
+/// assert!(report.is_closed() && report.is_manifold());
+/// assert_eq!(report.genus(), Some(1));
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

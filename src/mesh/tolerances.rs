@@ -16,6 +16,16 @@ use super::{Attribute, AttributeValues, Mesh, names};
 ///
 /// 0 asks for equal values. `f32::INFINITY` leaves a kind of stream out of the comparison; [`Tolerances::without`]
 /// leaves out a single stream.
+///
+/// ```
+/// use multires::{Simplifier, mesh::{Tolerances, shapes}};
+///
+/// // Normals of a seam that differ by less than 2 degrees are one.
+/// let tolerances = Tolerances::default().with_normal(2.0);
+/// let sequence = Simplifier::new().tolerances(tolerances).run(&shapes::demo())?;
+/// assert!(!sequence.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Tolerances {

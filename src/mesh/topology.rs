@@ -19,6 +19,15 @@ use super::{Attribute, Mesh, NONE, Tolerances};
 const MOST_COMPARED: usize = 64;
 
 /// Points and wedges of a mesh. Built in O(n) expected time; 12 bytes a vertex.
+///
+/// ```
+/// use multires::mesh::{Topology, shapes};
+///
+/// // A cube with a normal per side: 24 vertices at 8 points.
+/// let mesh = shapes::box_with_face_normals(1);
+/// let topology = Topology::new(&mesh);
+/// assert_eq!((topology.point_count(), topology.wedge_count()), (8, 24));
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Topology {
     point_of: Vec<u32>,

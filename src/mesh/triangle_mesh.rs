@@ -19,6 +19,17 @@ pub const MAX_ELEMENTS: usize = 1 << 30;
 ///
 /// *Topology apart from values*: triangles index vertices. Vertices at equal positions (-0 equals 0) form a *point*.
 /// Vertices of a point with equal attribute values (bit for bit) form a *wedge* ([`Topology`](super::Topology)).
+///
+/// ```
+/// use multires::mesh::{Attribute, Mesh, names};
+///
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(corners, [[0, 1, 2], [0, 2, 3]])?;
+/// let mesh = mesh.with_attribute(Attribute::floats(names::UV, &corners.map(|[x, y, _]| [x, y])))?;
+/// assert_eq!(mesh.triangles().len(), 2);
+/// assert!(mesh.attribute(names::UV).is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]

@@ -28,6 +28,18 @@ use crate::sequence::{CollapseSequence, Origin, SequenceError};
 /// Holds the positions of every level, but no attributes: carry attributes along by [`ProgressiveMesh::vertex_order`].
 /// Levels are counted as in the sequence: after 0 steps the mesh is the input. Serde keeps the level, and validates
 /// ([`ProgressiveMesh::validate`]).
+///
+/// ```
+/// use multires::{Simplifier, mesh::shapes, progressive::ProgressiveMesh};
+///
+/// let mesh = shapes::icosphere(3);
+/// let mut progressive = ProgressiveMesh::new(&mesh, &Simplifier::new().run(&mesh)?)?;
+/// progressive.seek(progressive.len()); // the base mesh
+/// let base = progressive.triangles().len();
+/// progressive.refine(); // a vertex split
+/// assert!(progressive.triangles().len() > base);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]

@@ -158,6 +158,15 @@ pub fn distance(a: &Mesh, b: &Mesh, options: &DistanceOptions) -> Result<Distanc
 ///
 /// # Errors
 /// The second mesh has no surface. The first mesh needs none.
+///
+/// ```
+/// use multires::{mesh::shapes, quality::vertex_distances};
+///
+/// // The vertices of a coarse sphere are vertices of the finer one.
+/// let distances = vertex_distances(&shapes::icosphere(2), &shapes::icosphere(3))?;
+/// assert!(distances.iter().all(|distance| *distance < 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn vertex_distances(from: &Mesh, to: &Mesh) -> Result<Vec<f64>, QualityError> {
     Ok(Surface::named(to, "second")?.point_distances(from.positions()))
 }

@@ -278,6 +278,16 @@ impl ReferenceImages {
 ///
 /// # Errors
 /// A mesh has no surface; there is no view or no pixel, or more than 2^30 pixels in all.
+///
+/// ```
+/// use multires::quality::{ImageOptions, image_difference};
+/// use multires::mesh::shapes;
+///
+/// let options = ImageOptions::default().with_views(4).with_size(64);
+/// let [near, far] = [3, 1].map(|level| image_difference(&shapes::icosphere(4), &shapes::icosphere(level), &options));
+/// assert!(near?.l2 < far?.l2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn image_difference(a: &Mesh, b: &Mesh, options: &ImageOptions) -> Result<ImageDifference, QualityError> {
     ReferenceImages::new(a, options)?.difference(b)
 }

@@ -149,6 +149,16 @@ impl RenderOptions {
 /// # Errors
 /// The picture has no pixels or is too large; the camera does not define a view; the number of colours differs from the
 /// number of vertices or triangles.
+///
+/// ```
+/// use multires::quality::{Camera, RenderOptions, render};
+/// use multires::mesh::shapes;
+///
+/// let mesh = shapes::rock(500, 1);
+/// let picture = render(&mesh, &Camera::framing(&mesh, [1.0, 0.5, 1.0]), &RenderOptions::default().with_size(32, 24))?;
+/// assert_eq!(picture.rgb_bytes().len(), 3 * 32 * 24);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn render(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Result<Picture, QualityError> {
     let (width, height) = (options.width, options.height);
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {

@@ -42,6 +42,12 @@ pub fn volume_ratio(original: &Mesh, level: &Mesh) -> Option<f64> {
 }
 
 /// Returns the area of all triangles in square object units. O(n).
+///
+/// ```
+/// use multires::{mesh::shapes, quality::area};
+///
+/// assert!((area(&shapes::icosphere(5)) / (4.0 * std::f64::consts::PI) - 1.0).abs() < 0.01);
+/// ```
 pub fn area(mesh: &Mesh) -> f64 {
     let position = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
     let twice = mesh.triangles().iter().map(|t| {
@@ -52,6 +58,13 @@ pub fn area(mesh: &Mesh) -> f64 {
 }
 
 /// Shape measures of a mesh's triangles: how far they are from equilateral.
+///
+/// ```
+/// use multires::{mesh::shapes, quality::ShapeReport};
+///
+/// let report = ShapeReport::new(&shapes::icosphere(0));
+/// assert_eq!((report.triangles, report.degenerate), (20, 0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

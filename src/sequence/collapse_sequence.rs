@@ -50,6 +50,18 @@ pub enum Origin {
 ///
 /// A number of steps or a step beyond the last counts as all steps, or as a step without effect, as documented at each
 /// method. Serde validates ([`CollapseSequence::validate`]).
+///
+/// ```
+/// use multires::{Simplifier, mesh::shapes};
+///
+/// let mesh = shapes::icosphere(3);
+/// let sequence = Simplifier::new().run(&mesh)?;
+/// let steps = sequence.steps_for_triangles(200);
+/// let level = sequence.extract(&mesh, steps);
+/// assert!(level.triangles().len() <= 200);
+/// println!("{} triangles, at most {} off", level.triangles().len(), sequence.error_after(steps));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::validate::Parts"))]

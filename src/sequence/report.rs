@@ -56,6 +56,18 @@ impl GivenUp {
 }
 
 /// Result of a simplification, and the reason for stopping.
+///
+/// ```
+/// use multires::{Simplifier, Target, mesh::shapes, sequence::StopReason};
+///
+/// let sequence = Simplifier::new().target(Target::Triangles(100)).run(&shapes::icosphere(3))?;
+/// let report = sequence.report();
+/// assert_eq!(report.stop, StopReason::Target);
+/// for refusal in &report.refusals {
+///     println!("{} refused {} collapses", refusal.oracle, refusal.count);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -31,6 +31,19 @@ const ENOUGH: f64 = 0.005;
 const POWERS: [f64; 2] = [-1.0, 6.0];
 
 /// Effect of growing on a level.
+///
+/// ```
+/// use multires::{Simplifier, mesh::shapes};
+///
+/// // A forest whose trees vanish: the trees that are left grow, so that the wood stays as dense from afar.
+/// let forest = shapes::forest(300, 2, 1);
+/// let sequence = Simplifier::new().run(&forest)?;
+/// let steps = sequence.steps_for_triangles(forest.triangles().len() / 20);
+/// let (level, growth) = sequence.extract_grown(&forest, steps, 2.0);
+/// assert!(level.triangles().len() <= forest.triangles().len() / 20);
+/// println!("{growth:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Growth {

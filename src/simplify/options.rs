@@ -39,6 +39,18 @@ pub enum Independence {
 }
 
 /// Error measure of a step, and whether it is checked before the step.
+///
+/// ```
+/// use multires::simplify::ErrorMeasure;
+/// use multires::{Simplifier, Target, mesh::shapes};
+///
+/// let mesh = shapes::rock(1_000, 1);
+/// let [proven, measured] = [ErrorMeasure::Parametric, ErrorMeasure::Measured].map(|measure| {
+///     Simplifier::new().error_measure(measure).target(Target::Ratio(0.2)).run(&mesh)
+/// });
+/// assert!(measured?.report().error <= proven?.report().error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -144,6 +156,16 @@ impl AttributeWeights {
 }
 
 /// When to stop. With several targets the first target reached stops.
+///
+/// ```
+/// use multires::{Simplifier, Target, mesh::shapes};
+///
+/// // At most 500 triangles, or as few as an error of 0.01 allows, whichever comes first.
+/// let mut simplifier = Simplifier::new().target(Target::Triangles(500)).target(Target::Error(0.01));
+/// let report = simplifier.run(&shapes::icosphere(4))?.report().clone();
+/// assert!(report.triangles <= 500 || report.error <= 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Target {

@@ -22,6 +22,17 @@ use super::surface::classify::kind;
 use super::surface::wedge_map::WedgeMap;
 
 /// Whether seams, creases, material borders and the topology may give.
+///
+/// ```
+/// use multires::simplify::Permissive;
+/// use multires::{Simplifier, Target, mesh::shapes};
+///
+/// // Seams give where the size asked for cannot be had otherwise.
+/// let mut simplifier = Simplifier::new().permissive(Permissive::On).target(Target::Ratio(0.05));
+/// let sequence = simplifier.run(&shapes::demo())?;
+/// println!("gave up {:?}", sequence.report().given_up);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -1,6 +1,16 @@
 //! Position of the merged vertex (Southern 4.1).
 
 /// Position of the merged vertex. The bits are the size of the choice in a compressed record.
+///
+/// ```
+/// use multires::{Placement, Simplifier, mesh::shapes};
+///
+/// let mesh = shapes::icosphere(2);
+/// let kept = Simplifier::new().placement(Placement::Endpoint).run(&mesh)?;
+/// let moved = Simplifier::new().placement(Placement::Optimal).run(&mesh)?;
+/// assert!(kept.new_vertices().is_empty() && !moved.new_vertices().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

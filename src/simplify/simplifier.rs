@@ -50,6 +50,18 @@ use super::placement::Placement;
 /// # Cost
 /// O(n) expected time for bounded valence, and O(n log n) for measuring the error; about 200 bytes per point while
 /// running.
+///
+/// ```
+/// use multires::{Placement, Simplifier, Target, mesh::shapes};
+///
+/// let mesh = shapes::rock(2_000, 1);
+/// let mut simplifier = Simplifier::new().placement(Placement::Optimal).target(Target::Error(0.01));
+/// let sequence = simplifier.run(&mesh)?;
+/// assert!(sequence.report().error <= 0.01);
+/// let level = sequence.extract(&mesh, sequence.len());
+/// assert_eq!(level.triangles().len(), sequence.report().triangles);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Simplifier<M = Quadric> {
     metric: M,
     oracles: Vec<Box<dyn Oracle>>,

@@ -18,6 +18,18 @@ use super::{MaterialRange, TomError, TotallyOrderedMesh};
 /// A totally ordered mesh with the corners rewritten by every step. Immutable; share it between [`TomCursor`]s.
 ///
 /// [`TomCursor`]: super::TomCursor
+///
+/// ```
+/// use multires::tom::{TomCursor, TomSteps, TotallyOrderedMesh};
+/// use multires::{Level, Structure, mesh::shapes};
+///
+/// let model = TotallyOrderedMesh::bake(&shapes::icosphere(3))?;
+/// let steps = TomSteps::new(model.structure().clone())?;
+/// let mut cursor = TomCursor::new(steps.into());
+/// cursor.seek(model.structure().at(Level::Ratio(0.5)));
+/// assert_eq!(cursor.indices().len(), 3 * cursor.resolution().triangles());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TomSteps {
     tom: Arc<TotallyOrderedMesh>,

@@ -16,6 +16,19 @@ pub struct ErrorMark {
 }
 
 /// A totally ordered mesh: connectivity of all levels of detail. Immutable; see the [module](super).
+///
+/// ```
+/// use multires::{Level, Structure, mesh::shapes, tom::TotallyOrderedMesh};
+///
+/// let mesh = shapes::icosphere(3);
+/// let model = TotallyOrderedMesh::bake(&mesh)?;
+/// let tom = model.structure();
+/// let resolution = tom.at(Level::Triangles(200));
+/// let mut indices = Vec::new();
+/// tom.fill_indices(resolution, &mut indices);
+/// assert_eq!(indices.len(), 3 * resolution.triangles());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TomParts", into = "TomParts"))]

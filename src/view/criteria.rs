@@ -80,6 +80,30 @@ pub enum Motion {
 /// `B` is the type of a structure's bounds. A criterion must be monotone: if a refinement is needed with some bounds, it
 /// is needed with all bounds which [contain](Bounds::contains) them. If a criterion is not monotone, the mesh stays
 /// valid, but the cut depends on earlier views.
+///
+/// ```
+/// use multires::hierarchy::{HierarchyLod, VertexHierarchy};
+/// use multires::view::{Answer, Bounds, Criterion, Motion};
+/// use multires::{Lod, Structure, mesh::shapes};
+///
+/// /// Full resolution above a height.
+/// struct Above(f32);
+///
+/// impl Criterion for Above {
+///     fn test(&self, bounds: &Bounds) -> Answer {
+///         Answer::once(bounds.centre[1] + bounds.radius > self.0)
+///     }
+///     fn motion(&self, _: &Self) -> Motion {
+///         Motion::Other
+///     }
+/// }
+///
+/// let model = VertexHierarchy::bake(&shapes::icosphere(4))?;
+/// let mut lod = HierarchyLod::new(model.structure().clone());
+/// let above = lod.adapt_by(&Above(0.5), Motion::Other, 0.0).triangles;
+/// assert!(above < model.structure().triangle_count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Criterion<B = Bounds> {
     /// Whether a refinement with the given bounds is needed.
     fn test(&self, bounds: &B) -> Answer;

@@ -8,6 +8,15 @@ use glam::DVec3;
 /// If `up` is parallel to the view or has no direction, the picture is turned about another axis. If `eye` equals
 /// `target`, the camera looks along -z. Numbers which are not finite give a matrix which is not finite; views refuse such
 /// matrices.
+///
+/// ```
+/// use multires::view::{View, look_at};
+///
+/// let camera = look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]);
+/// let view = View::perspective(camera, 1.0, [1920, 1080])?;
+/// assert_eq!(view.forward(), [0.0, 0.0, -1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn look_at(eye: [f32; 3], target: [f32; 3], up: [f32; 3]) -> [[f32; 4]; 4] {
     if ![eye, target, up].as_flattened().iter().all(|x| x.is_finite()) {
         return [[f32::NAN; 4]; 4];

@@ -19,6 +19,17 @@ const LEAST_TOLERANCE: f64 = 1e-30;
 const BARELY: f64 = 1.0 + 1e-6;
 
 /// A [`View`] as seen from an object: everything in object units.
+///
+/// ```
+/// use multires::view::{View, look_at};
+///
+/// let view = View::perspective(look_at([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]), 1.0, [1920, 1080])?;
+/// let twice = [[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+/// let object = view.of_object(twice)?;
+/// assert_eq!(object.eye(), Some([0.0, 0.0, 2.5])); // in the object's own units
+/// assert!(object.error_at(1.0) < object.error_at(2.0)); // farther away, more error is allowed
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
     eye: Eye,

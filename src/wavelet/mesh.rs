@@ -27,6 +27,16 @@ pub(super) const MOST_MATERIALS: usize = 1 << 16;
 /// Vertices are stored at their own places, not as coefficients, so the full resolution equals the input bit for bit. The cut
 /// is closed (Azuma et al., section 3.4), so the vertices of every wavelet in the cut are drawn at their own places. A
 /// coefficient costs [a subtraction](Self::coefficient).
+///
+/// ```
+/// use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
+/// use multires::mesh::shapes;
+///
+/// let mesh = WaveletMesh::recognise(&shapes::icosphere(3), &WaveletOptions::default())?;
+/// assert_eq!(mesh.subdivision().base_face_count(), 20);
+/// assert_eq!(mesh.at_level(1, Normals::Kept).triangles().len(), 80);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::WaveletParts"))]

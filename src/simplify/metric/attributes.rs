@@ -215,6 +215,17 @@ fn units_per_uv(mesh: &Mesh, set: &Attribute) -> f32 {
 ///
 /// Memory: 56 bytes per vertex plus 24 bytes per scalar of a vertex, scalars rounded up to a multiple of 4. A cost takes
 /// O(scalars) per wedge.
+///
+/// ```
+/// use multires::simplify::metric::{Attributes, LindstromTurk, WithAttributes};
+/// use multires::{Simplifier, Target, mesh::shapes};
+///
+/// let mesh = shapes::demo();
+/// let metric = WithAttributes::with(LindstromTurk::new(), &Attributes::new(&mesh).normals(0.1))?;
+/// let sequence = Simplifier::new().metric(metric).target(Target::Ratio(0.2)).run(&mesh)?;
+/// assert!(sequence.report().triangles < mesh.triangles().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct WithAttributes<M = Quadric> {
     metric: M,
@@ -638,25 +649,20 @@ impl<M> WithAttributes<M> {
     }
 }
 
-impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
-    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
-        let cost = self.metric.cost(surface, pair, position);
-        if self.is_idle() {
-            return cost;
-        }
+/// Costs of attributes on top of those of the metric.
+impl<M: ErrorMetric> WithAttributes<M> {
+    /// Returns the cost of the attributes where `pair` is merged at a position.
+    fn added_at(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
         let off = if position == surface.position(pair.kept) {
             self.off_at_kept(surface, pair, true)
         } else {
             self.off_anywhere(surface, pair).at(position)
         };
-        cost + attribute_cost(&self.metric, surface, pair, off)
+        attribute_cost(&self.metric, surface, pair, off)
     }
 
-    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
-        self.metric.costs_at_kept(surface, lost, kept, costs);
-        if self.is_idle() {
-            return;
-        }
+    /// Adds the costs of the attributes where `lost` is merged into each of `kept` as it is.
+    fn add_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
         if let ([kept], [cost]) = (kept, &mut *costs) {
             let pair = Pair { lost, kept: *kept };
             *cost += attribute_cost(&self.metric, surface, pair, self.off_at_kept(surface, pair, false));
@@ -678,6 +684,22 @@ impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
                 None => self.off_at_kept(surface, pair, false),
             };
             *cost += attribute_cost(&self.metric, surface, pair, off);
+        }
+    }
+}
+
+impl<M: ErrorMetric> ErrorMetric for WithAttributes<M> {
+    #[inline]
+    fn cost(&self, surface: &WorkingSurface, pair: Pair, position: [f32; 3]) -> f32 {
+        let cost = self.metric.cost(surface, pair, position);
+        if self.is_idle() { cost } else { cost + self.added_at(surface, pair, position) }
+    }
+
+    #[inline]
+    fn costs_at_kept(&self, surface: &WorkingSurface, lost: u32, kept: &[u32], costs: &mut [f32]) {
+        self.metric.costs_at_kept(surface, lost, kept, costs);
+        if !self.is_idle() {
+            self.add_at_kept(surface, lost, kept, costs);
         }
     }
 

@@ -19,6 +19,13 @@ pub const NAMES: [&str; 8] = [
 
 /// Returns the metric named `name`
 /// ([`MetricProperties::name`](super::MetricProperties::name)) with its defaults; `None` if `name` is not among [`NAMES`].
+///
+/// ```
+/// use multires::simplify::metric::{NAMES, by_name};
+///
+/// assert!(NAMES.into_iter().all(|name| by_name(name).is_some_and(|metric| metric.properties().name == name)));
+/// assert!(by_name("no such metric").is_none());
+/// ```
 pub fn by_name(name: &str) -> Option<Box<dyn ErrorMetric>> {
     Some(match name {
         "quadric" => Box::new(Quadric::new()),

@@ -35,6 +35,19 @@ const SCALE: f64 = (1u64 << 60) as f64 * VOLUME;
 
 /// The metric of Lindstrom and Turk. Made for [`Placement::Optimal`](crate::simplify::Placement::Optimal), which
 /// preserves the volume of closed meshes.
+///
+/// ```
+/// use multires::simplify::metric::LindstromTurk;
+/// use multires::{Placement, Simplifier, Target, mesh::shapes};
+///
+/// let mesh = shapes::icosphere(3);
+/// let simplifier = Simplifier::new().metric(LindstromTurk::new()).placement(Placement::Optimal);
+/// let sequence = { simplifier }.target(Target::Ratio(0.1)).run(&mesh)?;
+/// let level = sequence.extract(&mesh, sequence.len());
+/// let ratio = level.volume().zip(mesh.volume()).map(|(after, before)| after / before);
+/// assert!(ratio.is_some_and(|ratio| (ratio - 1.0).abs() < 0.01)); // keeps the volume
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LindstromTurk {
     stars: StarSums,

@@ -22,6 +22,19 @@ use super::{AttributeQuadric, Batch, ErrorMetric, Loss, MetricEvent, MetricPrope
 const UPRIGHT: f64 = 4.0;
 
 /// Distances to planes plus springs.
+///
+/// ```
+/// use multires::simplify::metric::ProgressiveMeshMetric;
+/// use multires::{Placement, Simplifier, Target, mesh::shapes};
+///
+/// // Stiffer springs give rounder triangles.
+/// let metric = ProgressiveMeshMetric::new().with_kappa(0.01);
+/// let simplifier = Simplifier::new().metric(metric).placement(Placement::Optimal);
+/// let mesh = shapes::rock(1_000, 1);
+/// let sequence = { simplifier }.target(Target::Ratio(0.2)).run(&mesh)?;
+/// assert!(5 * sequence.report().triangles <= mesh.triangles().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct ProgressiveMeshMetric {
     stars: StarSums,
     kappa: f64,

@@ -93,6 +93,16 @@ impl PlaneQuadric {
 
 /// The accumulated quadric: every point carries the squared distances to the planes of all input triangles merged into
 /// it, weighted by twice their area, and to planes upright on borders, feature edges and creases.
+///
+/// ```
+/// use multires::simplify::metric::Quadric;
+/// use multires::{Simplifier, Target, mesh::shapes};
+///
+/// // The default metric, named.
+/// let sequence = Simplifier::new().metric(Quadric::new()).target(Target::Ratio(0.1)).run(&shapes::icosphere(3))?;
+/// assert!(sequence.report().triangles <= 128);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Quadric {
     /// Verified costs are sums and must be compared with sums.

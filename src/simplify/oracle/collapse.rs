@@ -36,6 +36,27 @@ pub enum Reads {
 }
 
 /// A rule deciding which collapses are legal.
+///
+/// ```
+/// use multires::simplify::{Collapse, Oracle, WorkingSurface};
+/// use multires::{Simplifier, mesh::shapes};
+///
+/// /// Keeps everything above a height (inner frame).
+/// struct Above(f32);
+///
+/// impl Oracle for Above {
+///     fn name(&self) -> &'static str {
+///         "above"
+///     }
+///     fn allows(&self, surface: &WorkingSurface, collapse: &Collapse) -> bool {
+///         surface.position(collapse.pair.lost)[1] < self.0
+///     }
+/// }
+///
+/// let sequence = Simplifier::new().oracle(Above(0.0)).run(&shapes::icosphere(3))?;
+/// assert!(sequence.report().refusals.iter().any(|refusal| refusal.oracle == "above"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Oracle: Send + Sync {
     /// Name under which refusals are counted.
     fn name(&self) -> &str;

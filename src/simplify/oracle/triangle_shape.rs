@@ -6,6 +6,16 @@ use crate::simplify::surface::{Facet, WorkingSurface};
 use super::{Collapse, Oracle, Reads};
 
 /// Refuses collapses that turn a triangle's normal by more than an angle.
+///
+/// ```
+/// use multires::simplify::oracle::NormalFlip;
+/// use multires::{Simplifier, mesh::shapes};
+///
+/// // No triangle turns by more than 20 degrees.
+/// let sequence = Simplifier::new().oracle(NormalFlip::degrees(20.0)).run(&shapes::icosphere(3))?;
+/// assert!(!sequence.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NormalFlip {
     cos: f32,

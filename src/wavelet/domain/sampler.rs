@@ -26,6 +26,17 @@ pub struct SurfacePoint {
 }
 
 /// Finds points of the full resolution; made by [`WaveletMesh::sampler`].
+///
+/// ```
+/// use multires::wavelet::{DomainPoint, WaveletMesh, WaveletOptions};
+/// use multires::mesh::shapes;
+///
+/// // The same place on the base, whatever the level drawn.
+/// let mesh = WaveletMesh::recognise(&shapes::icosphere(3), &WaveletOptions::default())?;
+/// let middle = DomainPoint::new(0, [1.0 / 3.0; 3]);
+/// assert!(mesh.sampler().at(&middle).is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SurfaceSampler<'a> {
     mesh: &'a WaveletMesh,

@@ -23,6 +23,19 @@ use super::vertices::Vertices;
 ///
 /// With [`LodOptions::geomorph`] coefficients grow and shrink (Azuma et al., equation 6). Transitions may overlap in space and
 /// time, and may reverse midway. Changes [seen by no view](Criterion::sees) happen at once.
+///
+/// ```
+/// use multires::{Lod, LodOptions, Structure, adapt::Geomorph, mesh::shapes, wavelet::WaveletMesh};
+///
+/// let mesh = shapes::icosphere(3);
+/// let model = WaveletMesh::bake(&mesh)?;
+/// let values = model.arrange(mesh.positions())?.with_blending();
+/// let mut lod = model.instance(values, &LodOptions::default().with_geomorph(Geomorph::default()))?;
+/// assert_eq!(lod.triangles(0).len(), 20);
+/// lod.refine_fully();
+/// assert_eq!(lod.triangles(0).len(), mesh.triangles().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct WaveletLod<V> {
     mesh: Arc<WaveletMesh>,

@@ -68,6 +68,14 @@ pub struct Recognition {
 /// Several ways to coarsen exist only on meshes without irregular vertices. The ways are tried in a fixed order, and
 /// the first to allow a further coarsening is taken. O(n) beyond the making of [`Topology`] and [`Edges`]; about 110
 /// bytes a triangle while it runs.
+///
+/// ```
+/// use multires::{mesh::shapes, wavelet::recognise};
+///
+/// let recognition = recognise(&shapes::icosphere(3));
+/// assert_eq!(recognition.quadrisection.levels(), 3);
+/// assert_eq!(recognition.quadrisection.base_faces(), 20);
+/// ```
 pub fn recognise(mesh: &Mesh) -> Recognition {
     find(mesh, false)
 }

@@ -55,6 +55,17 @@ impl Side {
 ///
 /// Memory: 8 bytes a wavelet and 12 a split face where all faces are split equally deep; otherwise 4 bytes a split face and at
 /// most 1.5 bits a face more.
+///
+/// ```
+/// use multires::wavelet::{WaveletMesh, WaveletOptions};
+/// use multires::mesh::shapes;
+///
+/// let mesh = WaveletMesh::recognise(&shapes::icosphere(2), &WaveletOptions::default())?;
+/// let subdivision = mesh.subdivision();
+/// let [first, second] = [1, 2].map(|level| subdivision.wavelets_of(level).len());
+/// assert_eq!((first, second), (30, 120)); // a wavelet per edge
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Subdivision {
     /// Vertices at the corners of every base face.
