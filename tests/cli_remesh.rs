@@ -424,7 +424,9 @@ fn pictures_are_baked_and_referred_to() {
     let mesh = io::read(&output).unwrap();
     assert!([names::UV, names::TANGENT, names::NORMAL].iter().all(|name| mesh.attribute(name).is_some()));
     assert_eq!(mesh.triangles().len(), number(&answer["triangles"]));
-    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(Path::new(&to).join("base_color.png")).unwrap()));
+    let decoder = png::Decoder::new(std::io::BufReader::new(
+        std::fs::File::open(Path::new(&to).join("base_color.png")).unwrap(),
+    ));
     let mut reader = decoder.read_info().unwrap();
     let mut texels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut texels).unwrap();

@@ -47,10 +47,13 @@ impl Baking {
         if self.folder.is_none() {
             return Ok(());
         }
-        let refers = |extension: &std::ffi::OsStr| ["glb", "gltf"].iter().any(|e| extension.eq_ignore_ascii_case(e));
+        let refers =
+            |extension: &std::ffi::OsStr| ["glb", "gltf"].iter().any(|e| extension.eq_ignore_ascii_case(e));
         if !output.extension().is_some_and(refers) {
             let output = output.display();
-            return Err(Failure::Usage(format!("{output}: --bake needs a .glb or .gltf, which refers to pictures")));
+            return Err(Failure::Usage(format!(
+                "{output}: --bake needs a .glb or .gltf, which refers to pictures"
+            )));
         }
         match is_uniform {
             true => Ok(()),
@@ -154,7 +157,8 @@ fn relative(output: &Path, picture: &Path) -> Result<String, Failure> {
         path.canonicalize().map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
     };
     let (from, to) = (whole(folder)?, whole(picture)?);
-    let (from, to): (Vec<Component>, Vec<Component>) = (from.components().collect(), to.components().collect());
+    let (from, to): (Vec<Component>, Vec<Component>) =
+        (from.components().collect(), to.components().collect());
     let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     let up = from[common..].iter().map(|_| "..".to_owned());
     let down = to[common..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
