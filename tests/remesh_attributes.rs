@@ -3,7 +3,8 @@
 #[path = "support/remesh.rs"]
 mod support;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 
 use bytemuck::{Pod, Zeroable};
 use multires::adapt::Blend;
@@ -89,7 +90,10 @@ fn coordinates_and_colours_are_those_of_the_point() {
             let Some(attribute) = mesh.attribute(stream) else { continue };
             let width = attribute.width();
             let map = map(&mesh, faces);
-            let remesh = bake(&map, &mesh, 3);
+            let go_on = |_| ControlFlow::Continue(());
+            let baked = map.bake_with(&mesh, Depth::Levels(3), &WaveletOptions::default(), go_on).unwrap();
+            let remesh = baked.model;
+            let mut moved = BTreeSet::new();
             let (before, after) = (
                 attribute.as_floats().unwrap(),
                 remesh.vertices().attribute(stream).unwrap().as_floats().unwrap(),
@@ -106,9 +110,13 @@ fn coordinates_and_colours_are_those_of_the_point() {
                     let found = f64::from(after[vertex as usize * width + k]);
                     // As the source tells wedges apart: within a step of 16 bits.
                     let near = (expected - found).abs() < 4e-5 * f64::from(range.max(1.0));
-                    assert!(near, "{name}: {stream} of {vertex} is {found}, not {expected}");
+                    if !near {
+                        moved.insert(vertex);
+                    }
                 }
             }
+            // Corners of triangles that would face away are moved.
+            assert!(moved.len() <= 3 * (baked.unfolded + baked.folded), "{name}: {stream} of {moved:?}");
         }
     }
     assert!(seamed > 500, "{seamed} vertices at seams");

@@ -3,6 +3,7 @@
 #[path = "support/remesh.rs"]
 mod support;
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use multires::mesh::{Mesh, MeshPoint, shapes};
@@ -122,17 +123,24 @@ fn images_of_base_faces_have_the_area_of_the_mesh() {
 fn vertices_of_the_remesh_lie_at_their_images() {
     for (name, mesh, faces) in all() {
         let map = map(&mesh, faces);
-        let remesh = remesh(&map, &mesh, 3);
+        let go_on = |_| ControlFlow::Continue(());
+        let baked = map.bake_with(&mesh, Depth::Levels(3), &WaveletOptions::default(), go_on).unwrap();
+        let remesh = baked.model.structure();
         let of = remesh.subdivision();
         assert_eq!(of.base_face_count(), map.base().triangles().len(), "{name}");
+        let mut moved = BTreeSet::new();
         for face in 0..of.face_count() as u32 {
             let corners = of.face(face).unwrap().into_iter().zip(of.domain_of_face(face).unwrap());
             for (vertex, place) in corners {
                 let position = remesh.vertices().positions()[vertex as usize].map(f64::from);
                 let image = at(&mesh, &map.to_mesh(&place).unwrap());
-                assert!(distance(position, image) < 1e-6 * mesh.diagonal(), "{name}: {vertex} at {place:?}");
+                if distance(position, image) > 1e-6 * mesh.diagonal() {
+                    moved.insert(vertex);
+                }
             }
         }
+        // Corners of triangles that would face away are moved.
+        assert!(moved.len() <= 3 * (baked.unfolded + baked.folded), "{name}: {moved:?}");
     }
 }
 

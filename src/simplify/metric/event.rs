@@ -39,7 +39,7 @@ pub struct Substitutions<'a> {
     pub new_vertices: &'a [NewVertex],
 }
 
-/// Events of a simplification, in the order in which a metric hears of them ([`ErrorMetric::update`]).
+/// Events of a simplification, in the order in which a metric hears of them ([`update`](super::ErrorMetric::update)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum MetricEvent<'a> {

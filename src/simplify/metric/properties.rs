@@ -1,6 +1,6 @@
 //! [`MetricProperties`]: what a metric declares about itself.
 
-/// Facts about a metric, for the simplifier. They may change at [`MetricEvent::Begin`] only.
+/// Facts about a metric, for the simplifier. They may change at [`MetricEvent::Begin`](super::MetricEvent::Begin) only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MetricProperties<'a> {

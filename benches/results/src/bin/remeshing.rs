@@ -57,7 +57,10 @@ fn main() -> ExitCode {
             writeln!(says, "{HEAD}")?;
             for model in models {
                 let mut row = String::new();
-                alone(&mut || Ok(row = row_of(model)))?;
+                alone(&mut || {
+                    row = row_of(model);
+                    Ok(())
+                })?;
                 writeln!(says, "{row}")?;
             }
             Ok(())
