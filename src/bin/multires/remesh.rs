@@ -59,7 +59,7 @@ pub struct Remesh {
     measure: bool,
 }
 
-/// Metric with the least distortion.
+/// Metric of a remesher by default.
 const METRIC: &str = "memoryless-quadric";
 
 /// How deep the base is subdivided: one of three.
