@@ -17,6 +17,8 @@ use std::ops::Range;
 #[derive(Debug, Clone, Default)]
 pub struct Dirty {
     words: Vec<u64>,
+    /// Words that may hold marks: all others are 0. Empty where `start >= end`.
+    used: Range<usize>,
 }
 
 impl Dirty {
@@ -28,6 +30,9 @@ impl Dirty {
             self.words.resize((word + 1).next_power_of_two(), 0);
         }
         self.words[word] |= 1 << (element % 64);
+        if !self.used.contains(&word) {
+            self.used = self.used.start.min(word)..self.used.end.max(word + 1);
+        }
     }
 
     /// Marks all elements of `0..count`.
@@ -37,15 +42,16 @@ impl Dirty {
         if !count.is_multiple_of(64) {
             self.words[count / 64] |= (1 << (count % 64)) - 1;
         }
+        self.used = 0..self.used.end.max(count.div_ceil(64));
     }
 
     /// Forgets all marks.
     pub fn clear(&mut self) {
-        self.words.fill(0);
+        self.clear_range(0..64 * self.words.len());
     }
 
     /// Returns the marked elements below `count` as ascending ranges. Ranges at most `gap` unmarked elements apart are
-    /// joined. O(count / 64 + ranges).
+    /// joined. O(words between the first and the last mark + ranges).
     pub fn ranges(&self, count: usize, gap: usize) -> DirtyRanges<'_> {
         self.ranges_of(0..count, gap)
     }
@@ -53,19 +59,32 @@ impl Dirty {
     /// Returns the marked elements of a range as ascending ranges, as [`Dirty::ranges`] does, with indices relative to
     /// its start.
     pub(crate) fn ranges_of(&self, of: Range<usize>, gap: usize) -> DirtyRanges<'_> {
-        let (words, count) = (&self.words[..], of.end.max(of.start));
-        DirtyRanges { words, at: of.start, start: of.start, count, gap, whole: 0..0 }
+        let (at, count) = (of.start.max(64 * self.used.start), of.end.min(64 * self.used.end));
+        DirtyRanges { words: &self.words, at, start: of.start, count, gap, whole: 0..0 }
     }
 
-    /// Forgets the marks of a range. O(length / 64).
+    /// Forgets the marks of a range. O(words of the range between the first and the last mark).
+    #[inline]
     pub(crate) fn clear_range(&mut self, of: Range<usize>) {
-        let end = of.end.min(self.words.len() * 64);
-        let mut at = of.start;
+        if of.start < 64 * self.used.end && 64 * self.used.start < of.end {
+            self.clear_used(of);
+        }
+    }
+
+    /// Forgets the marks of a range that meets the words with marks.
+    fn clear_used(&mut self, of: Range<usize>) {
+        let (mut at, end) = (of.start.max(64 * self.used.start), of.end.min(64 * self.used.end));
         while at < end {
             let next = ((at / 64 + 1) * 64).min(end);
             let upper = if next.is_multiple_of(64) { u64::MAX } else { (1 << (next % 64)) - 1 };
             self.words[at / 64] &= !(upper & (u64::MAX << (at % 64)));
             at = next;
+        }
+        // Words cleared at either end hold no marks any more.
+        if of.start <= 64 * self.used.start {
+            self.used.start = self.used.start.max(of.end / 64);
+        } else if of.end >= 64 * self.used.end {
+            self.used.end = of.start.div_ceil(64);
         }
     }
 
@@ -180,6 +199,29 @@ mod tests {
             dirty.clear();
             dirty.mark_all(count);
             assert!(dirty.ranges(count, 0).eq(std::iter::once(0..count)));
+        }
+    }
+
+    #[test]
+    fn marks_follow_a_set_through_marking_and_clearing() {
+        let mut state = 9u64;
+        let mut random = |n: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as usize % n
+        };
+        let (mut dirty, mut expected) = (Dirty::default(), vec![false; 1_000]);
+        for _ in 0..5_000 {
+            let (at, length) = (random(900), [1, 20, 900][random(3)]);
+            if random(2) == 0 {
+                let end = (at + length).min(expected.len());
+                dirty.clear_range(at..end);
+                expected[at..end].fill(false);
+            } else {
+                dirty.mark(at as u32);
+                expected[at] = true;
+            }
+            let marked = (0..expected.len()).filter(|&element| expected[element]);
+            assert!(dirty.ranges(expected.len(), 0).flatten().eq(marked));
         }
     }
 }
