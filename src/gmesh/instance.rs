@@ -5,6 +5,7 @@
 //!                                 level 1, share 0.6 |---o--|
 //! ```
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::adapt::{Change, CutReport, DirtyRanges};
@@ -26,12 +27,29 @@ pub struct Table {
     whole: Whole,
     /// Never falling.
     errors: Vec<f32>,
+    /// The way into each level; `None` into the finest, and into levels of its error.
+    ways: Vec<Option<Way>>,
+}
+
+/// The way into a level, where errors are allowed from the level's error on.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// Level that turns into this one: the last with a smaller error.
+    from: usize,
+    /// Length: a share of the errors between this level and the next.
+    length: f64,
 }
 
 impl Table {
     pub(super) fn new(model: &Baked<Gmesh>) -> Self {
-        let errors = model.structure().levels().iter().map(|level| level.error).collect();
-        Self { whole: Whole::new(model.bounds()), errors }
+        let errors: Vec<f32> = model.structure().levels().iter().map(|level| level.error).collect();
+        let way = |(level, &own): (usize, &f32)| {
+            let next = errors.get(level + 1).map_or(2.0 * f64::from(own), |&next| f64::from(next));
+            let from = errors.partition_point(|&error| error < own).checked_sub(1)?;
+            Some(Way { from, length: WAY * (next - f64::from(own)) })
+        };
+        let ways = errors.iter().enumerate().map(way).collect();
+        Self { whole: Whole::new(model.bounds()), errors, ways }
     }
 
     /// Returns the coarsest state with an error within the allowed error.
@@ -43,6 +61,7 @@ impl Table {
     ///
     /// While level `i - 1` turns into level `i`, the bound is the error of level `i`, so the way begins where this error is
     /// allowed. Levels of equal error are passed on one way.
+    #[inline]
     fn state(&self, allowed: Allowed) -> Morph {
         let (levels, error) = match allowed {
             Allowed::Nothing => return Morph::default(),
@@ -52,13 +71,8 @@ impl Table {
         // Level `to` is within the error, and the level behind it is not. The comparison is false for NaN.
         let within = self.errors.partition_point(|&e| e <= error);
         let Some(to) = within.checked_sub(1) else { return Morph::default() };
-        let own = self.errors[to];
-        let Some(from) = self.errors.partition_point(|&e| e < own).checked_sub(1) else {
-            return Morph { level: to, share: 0.0 };
-        };
-        let next = self.errors.get(within).map_or(2.0 * f64::from(own), |&e| f64::from(e));
-        let way = WAY * (next - f64::from(own));
-        let gone = ((f64::from(error) - f64::from(own)) / way).min(1.0);
+        let Some(Way { from, length }) = self.ways[to] else { return Morph { level: to, share: 0.0 } };
+        let gone = ((f64::from(error) - f64::from(self.errors[to])) / length).min(1.0);
         if gone < 1.0 {
             Morph::at(from as f32 + gone as f32 * (to - from) as f32, levels)
         } else {
@@ -157,9 +171,9 @@ impl<V: Vertex> GmeshLod<V> {
 
     /// Reports the change from state `before` to the drawn state.
     fn change(&self, before: Morph) -> Change {
-        let vertices = |morph: Morph| self.gmesh().levels()[morph.level].vertices;
-        let (was, is, wanted) = (vertices(before), vertices(self.now), vertices(self.wanted));
-        let triangles = self.gmesh().levels()[self.now.level].triangles;
+        let levels = self.gmesh().levels();
+        let [was, now, wanted] = [before, self.now, self.wanted].map(|morph| &levels[morph.level]);
+        let (was, is, wanted, triangles) = (was.vertices, now.vertices, wanted.vertices, now.triangles);
         let is_under_way = self.now != self.wanted;
         let moves = self.shared.moves() && self.now.share > 0.0 && is_under_way;
         Change {
@@ -197,7 +211,8 @@ impl<V: Vertex> GmeshLod<V> {
     /// Returns the state reached towards the wanted state in a single call: at most `progress` levels away (`None`: any number),
     /// and at most the allowed number of vertices, but at least a level.
     fn towards(&self, progress: Option<f32>) -> Morph {
-        if self.is_above_limit() {
+        let is_free = progress.is_none() && self.shared.options().operations.is_none();
+        if is_free || self.is_above_limit() {
             return self.wanted;
         }
         let (levels, now, wanted) = (self.gmesh().levels(), self.now.position(), self.wanted.position());
@@ -216,12 +231,17 @@ impl<V: Vertex> GmeshLod<V> {
     }
 
     /// Draws a state.
+    #[inline]
     fn place(&mut self, to: Morph) {
         self.now = to;
-        let at = self.at;
-        if at == to || !self.shared.moves() {
-            return;
+        if self.shared.moves() && self.at != to {
+            self.move_vertices(to);
         }
+    }
+
+    /// Moves the vertices to their places in a state.
+    fn move_vertices(&mut self, to: Morph) {
+        let at = self.at;
         let gmesh = Arc::clone(self.model.structure());
         let numbers = |level: usize| gmesh.moving(level).map(|vertex| vertex as u32);
         if at.level != to.level && at.share > 0.0 {
@@ -325,6 +345,10 @@ impl<V: Vertex> Lod for GmeshLod<V> {
 
     fn first_triangle(&self, group: usize) -> usize {
         self.gmesh().range(self.now.level, group).start
+    }
+
+    fn drawn_range(&self, group: usize) -> Range<usize> {
+        self.gmesh().range(self.now.level, group)
     }
 
     fn vertices(&self) -> Option<&[u32]> {

@@ -73,6 +73,7 @@ impl Gmesh {
     }
 
     /// Returns a level's triangles in [`Gmesh::index_buffer`] of a group. Empty where there is no such level or group.
+    #[inline]
     pub fn range(&self, level: usize, group: usize) -> Range<usize> {
         let count = self.levels.len();
         if level >= count || group >= self.groups() {

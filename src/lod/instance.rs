@@ -1,5 +1,7 @@
 //! A drawn instance of any structure: the calls of an engine's frame.
 
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 
 use crate::adapt::{Change, DirtyRanges};
@@ -85,6 +87,13 @@ pub trait Lod: Send {
     fn first_triangle(&self, group: usize) -> usize {
         let _ = group;
         0
+    }
+
+    /// Returns the drawn triangles of a group as a range of [`buffered_triangles`](Lod::buffered_triangles). Empty if there is no
+    /// such group.
+    fn drawn_range(&self, group: usize) -> Range<usize> {
+        let first = self.first_triangle(group);
+        first..first + self.triangles(group).len()
     }
 
     /// Returns the structure's vertex in every slot of a packed vertex buffer; `None` if indices name the structure's vertices.

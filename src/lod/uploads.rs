@@ -87,31 +87,30 @@ pub struct Draw {
 #[derive(Clone)]
 pub struct Draws<'a> {
     lod: &'a dyn Lod,
-    group: usize,
+    groups: Range<usize>,
 }
 
 impl<'a> Draws<'a> {
     /// Makes the draws of an instance: [`Lod::draws`].
+    #[inline]
     pub fn new(lod: &'a dyn Lod) -> Self {
-        Self { lod, group: 0 }
+        Self { lod, groups: 0..lod.groups() }
     }
 }
 
 impl Iterator for Draws<'_> {
     type Item = Draw;
 
+    #[inline]
     fn next(&mut self) -> Option<Draw> {
-        while self.group < self.lod.groups() {
-            let group = self.group;
-            self.group += 1;
-            let count = 3 * self.lod.triangles(group).len() as u32;
-            if count > 0 {
-                let (material, first) = (self.lod.material(group), 3 * self.lod.first_triangle(group) as u32);
+        for group in self.groups.by_ref() {
+            let drawn = self.lod.drawn_range(group);
+            if !drawn.is_empty() {
                 return Some(Draw {
                     buffer: 1 + group,
-                    indices: first..first + count,
+                    indices: 3 * drawn.start as u32..3 * drawn.end as u32,
                     base_vertex: 0,
-                    material,
+                    material: self.lod.material(group),
                 });
             }
         }

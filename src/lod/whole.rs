@@ -41,6 +41,7 @@ impl Whole {
     }
 
     /// Returns the error allowed by all views together, with tolerances multiplied by a factor.
+    #[inline]
     pub fn allowed(&self, views: &[ObjectView], factor: f32) -> Allowed {
         // A model in focus is drawn at full resolution. Without a focus, no view needs an error of 0.
         if views.iter().any(ObjectView::has_focus) {
