@@ -90,7 +90,7 @@ impl TomCursor {
     /// a walk as in [`at`](super::TotallyOrderedMesh::at).
     pub fn seek(&mut self, resolution: Resolution) -> Change {
         let Self { indices, dirty_map, .. } = self;
-        indices.seek(resolution, |place| {
+        indices.seek(indices.rounded(resolution), |place| {
             let bit = place >> DIRTY_SHIFT;
             dirty_map[(bit / 64) as usize] |= 1 << (bit % 64);
         })

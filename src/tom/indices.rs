@@ -51,12 +51,18 @@ impl Indices {
         &self.ranges
     }
 
+    /// Returns the resolution of this mesh nearest below a resolution that may come from another mesh: whole groups.
+    pub fn rounded(&self, resolution: Resolution) -> Resolution {
+        let tom = self.steps.tom();
+        let vertices = tom.boundary_at_most(tom.clamp(resolution).vertices);
+        // Counting triangles takes longer than all the rest of a still frame.
+        if vertices == self.resolution.vertices { self.resolution } else { tom.resolution(vertices) }
+    }
+
     /// Moves to a resolution of this mesh. Calls `wrote` with every place written, with some places twice.
-    pub fn seek(&mut self, resolution: Resolution, mut wrote: impl FnMut(u32)) -> Change {
+    pub fn seek(&mut self, to: Resolution, mut wrote: impl FnMut(u32)) -> Change {
         let Self { steps, buffer, ranges, resolution: from } = self;
         let (tom, from) = (steps.tom(), *from);
-        // Rounds to whole groups, since the resolution may come from another mesh.
-        let to = tom.resolution(tom.boundary_at_most(tom.clamp(resolution).vertices));
         let mut written = 0;
         let mut write = |places: &[u32], vertex: u32| {
             for &place in places {

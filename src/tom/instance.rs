@@ -7,6 +7,7 @@
 //!             0   share of the way        1             places, or back; turned round where the view turns round
 //! ```
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::adapt::{Change, CutReport, Dirty, DirtyRanges};
@@ -28,8 +29,11 @@ use super::{Resolution, TotallyOrderedMesh};
 #[derive(Debug, Clone)]
 pub struct TomLod<V> {
     model: Baked<TotallyOrderedMesh>,
+    /// Views are kept only where vertices move.
     shared: WholeInstance<V>,
     whole: Whole,
+    /// Number of views tested by the last call.
+    tests: usize,
     /// Resolution asked for by the views, within the triangle limit.
     wanted: Resolution,
     indices: Indices,
@@ -64,6 +68,7 @@ impl<V: Vertex> TomLod<V> {
             model: model.clone(),
             shared,
             whole: Whole::new(model.bounds()),
+            tests: 0,
             wanted: coarsest,
             indices,
             dirty_triangles: Dirty::default(),
@@ -113,7 +118,7 @@ impl<V: Vertex> TomLod<V> {
         let now = self.indices.resolution();
         Change {
             cut: CutReport {
-                tests: self.shared.views.len(),
+                tests: self.tests,
                 splits: now.vertices().saturating_sub(before.vertices()),
                 collapses: before.vertices().saturating_sub(now.vertices()),
             },
@@ -219,7 +224,7 @@ impl<V: Vertex> TomLod<V> {
     }
 
     /// Returns the places of a group's drawn triangles.
-    fn places(&self, group: usize) -> std::ops::Range<usize> {
+    fn places(&self, group: usize) -> Range<usize> {
         let range = self.indices.ranges().get(group).copied().unwrap_or_default();
         range.start as usize / 3..(range.start + range.count) as usize / 3
     }
@@ -232,8 +237,7 @@ impl<V: Vertex> TomLod<V> {
 
 impl<V: Vertex> Lod for TomLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        let motion = Whole::motion(views, &self.shared.views);
-        self.shared.look(views);
+        self.tests = views.len();
         let tom = self.tom();
         let vertices = match self.whole.allowed(views, self.shared.factor()) {
             Allowed::Nothing => tom.finest().vertices,
@@ -243,17 +247,18 @@ impl<V: Vertex> Lod for TomLod<V> {
         // To count the triangles of a resolution takes longer than all the rest of a still frame.
         let wanted = if vertices == self.wanted.vertices { self.wanted } else { tom.resolution(vertices) };
         let wanted = self.within_limit(wanted);
-        let diagonal = f64::from(self.whole.diagonal());
-        let progress = self
-            .shared
-            .options()
-            .geomorph
-            .map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
+        let mut progress = 1.0;
+        if let Some(geomorph) = self.shared.options().geomorph {
+            let motion = Whole::motion(views, &self.shared.views);
+            progress = geomorph.progress(seconds, motion, f64::from(self.whole.diagonal()));
+            self.shared.look(views);
+        }
         self.follow(wanted, progress)
     }
 
     fn refine_fully(&mut self) -> Change {
         self.shared.views.clear();
+        self.tests = 0;
         let before = self.indices.resolution();
         self.wanted = self.within_limit(self.tom().finest());
         self.settle();
@@ -271,11 +276,14 @@ impl<V: Vertex> Lod for TomLod<V> {
 
     fn set_options(&mut self, options: &LodOptions) -> Result<(), LodError> {
         let accepted = self.shared.accept(options)?;
-        let rebuilds = accepted.rebuilds;
+        let (moves, rebuilds) = (accepted.moves, accepted.rebuilds);
         if accepted.settles {
             self.settle();
         }
         self.shared.set_options(accepted);
+        if moves {
+            self.shared.views.clear();
+        }
         if rebuilds {
             self.invalidate();
         }
@@ -305,6 +313,10 @@ impl<V: Vertex> Lod for TomLod<V> {
     fn triangles(&self, group: usize) -> &[[u32; 3]] {
         let places = self.places(group);
         bytemuck::cast_slice(&self.indices.buffer()[3 * places.start..3 * places.end])
+    }
+
+    fn drawn_range(&self, group: usize) -> Range<usize> {
+        self.places(group)
     }
 
     fn vertices(&self) -> Option<&[u32]> {
