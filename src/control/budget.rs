@@ -168,6 +168,8 @@ struct Entry {
 #[derive(Debug, Clone)]
 pub struct Budget {
     options: BudgetOptions,
+    /// Weight of each object's errors, in this call.
+    weights: Vec<f32>,
     /// Chosen rung of each object.
     rungs: Vec<u32>,
     /// Rungs before a call, of a small scene.
@@ -193,6 +195,7 @@ impl Budget {
         options.check()?;
         Ok(Self {
             options,
+            weights: Vec::new(),
             rungs: Vec::new(),
             before: Vec::new(),
             levels: Vec::new(),
@@ -240,6 +243,8 @@ impl Budget {
     pub fn split(&mut self, objects: &[LadderObject<'_>]) -> Split {
         let limit = self.options.triangles as u64;
         let base = objects.iter().fold(0_u64, |sum, object| sum + object.ladder.coarsest().1 as u64);
+        self.weights.clear();
+        self.weights.extend(objects.iter().map(LadderObject::weight));
         let known = self.rungs.len() == objects.len();
         self.rungs.resize(objects.len(), 0);
         self.taken.resize(objects.len(), 0);
@@ -256,32 +261,31 @@ impl Budget {
         let tolerance = self.options.tolerance_px;
         let [mut found, mut kept] = [Sum::default(); 2];
         let mut least = 0.0;
-        for ((object, &taken), rung) in objects.iter().zip(&self.taken).zip(&mut self.rungs) {
-            let weight = f64::from(object.weight());
-            let finest = object.finest_rung(tolerance);
+        let weighted = objects.iter().zip(&self.weights);
+        for (((object, &weight), &taken), rung) in weighted.zip(&self.taken).zip(&mut self.rungs) {
+            let finest = object.finest_rung(weight, tolerance);
+            let (weight, before, after) = (f64::from(weight), *rung, rung_after(object, taken));
             // A rung of the last split may be gone, or too fine by now.
-            let before = (*rung).min(finest);
-            kept.add(object, weight, before);
-            found.add(object, weight, rung_after(object, taken));
+            *rung = before.min(finest);
+            kept.add(object, weight, *rung, *rung != before);
+            found.add(object, weight, after, after != before);
             least += lagrange(object, weight, self.slope, finest, taken);
         }
         let keeps = known && kept.triangles <= limit && kept.error <= found.error;
         let bound = (least - f64::from(self.slope) * limit as f64).max(0.0);
         let bound = if base > limit { found.error } else { bound };
-        let mut changed = 0;
         let sum = if keeps { kept } else { found };
-        self.levels.clear();
-        for ((object, &taken), rung) in objects.iter().zip(&self.taken).zip(&mut self.rungs) {
-            let before = *rung;
-            *rung = if keeps { before.min(object.finest_rung(tolerance)) } else { rung_after(object, taken) };
-            changed += usize::from(*rung != before);
-            self.levels.push(level(object, *rung));
+        if !keeps {
+            for ((object, &taken), rung) in objects.iter().zip(&self.taken).zip(&mut self.rungs) {
+                *rung = rung_after(object, taken);
+            }
         }
+        self.write_levels(objects);
         let mut split = Split {
             triangles: usize::try_from(sum.triangles).unwrap_or(usize::MAX),
             error: sum.error,
             bound: bound.min(sum.error),
-            changed,
+            changed: sum.changed,
             over_budget: base > limit,
         };
         let gap = f64::from(self.options.gap);
@@ -312,6 +316,11 @@ impl Budget {
         self.rungs.clear();
         self.rungs.extend_from_slice(self.exact.rungs());
         split.changed = self.rungs.iter().zip(&self.before).filter(|(rung, before)| rung != before).count();
+        self.write_levels(objects);
+    }
+
+    /// Sets the levels of the chosen rungs.
+    fn write_levels(&mut self, objects: &[LadderObject<'_>]) {
         self.levels.clear();
         self.levels.extend(objects.iter().zip(&self.rungs).map(|(object, &rung)| level(object, rung)));
     }
@@ -329,17 +338,18 @@ impl Budget {
 
     /// Returns a window of keys in which the split ends: triangles are summed by classes of keys, an eighth of an octave wide.
     fn survey(&mut self, objects: &[LadderObject<'_>], room: u64) -> [f32; 2] {
-        let Self { options, rungs, classes, entries, .. } = self;
+        let Self { options, weights, rungs, classes, entries, .. } = self;
         let boost = 1.0 + options.hysteresis;
         classes.clear();
         classes.resize(CLASSES, 0);
         let mut most = 0;
-        for (object, &rung) in objects.iter().zip(&*rungs) {
-            let (weight, scale) = (object.weight(), object.scale());
-            let steps = object.ladder.steps();
+        for ((object, &weight), &rung) in objects.iter().zip(&*weights).zip(&*rungs) {
+            let (steps, scale) = (object.ladder.steps(), object.scale());
             most += steps.len();
-            let needed = steps.iter().take_while(|step| scale * step.error > options.tolerance_px);
-            for step in needed.filter(|_| weight > 0.0) {
+            if weight <= 0.0 {
+                continue;
+            }
+            for step in steps.iter().take_while(|step| scale * step.error > options.tolerance_px) {
                 let key = weight * step.slope * if step.to <= rung { boost } else { 1.0 };
                 classes[class_of(key)] += u64::from(step.triangles);
             }
@@ -359,17 +369,19 @@ impl Budget {
 
     /// Takes all steps above a window of keys, none below, and the best within. Returns whether the split ends in the window.
     fn take_within(&mut self, objects: &[LadderObject<'_>], room: u64, [low, high]: [f32; 2]) -> bool {
-        let Self { options, rungs, taken, entries, slope, .. } = self;
+        let Self { options, weights, rungs, taken, entries, slope, .. } = self;
         let boost = 1.0 + options.hysteresis;
         let (mut above, mut more) = (0_u64, false);
         entries.clear();
-        for (number, (object, &rung)) in objects.iter().zip(&*rungs).enumerate() {
-            let (weight, scale) = (object.weight(), object.scale());
-            let (steps, levels) = (object.ladder.steps(), object.ladder.rungs());
+        let weighted = objects.iter().zip(&*weights);
+        for (number, (((object, &weight), &rung), taken)) in
+            weighted.zip(&*rungs).zip(&mut *taken).enumerate()
+        {
+            let (steps, levels, scale) = (object.ladder.steps(), object.ladder.rungs(), object.scale());
             let key = |step: &Step| weight * step.slope * if step.to <= rung { boost } else { 1.0 };
             let needed = |step: &Step| scale * step.error > options.tolerance_px;
             // Keys and errors fall from step to step. The place of the last call is mostly near.
-            let mut first = if weight > 0.0 { (taken[number] as usize).min(steps.len()) } else { 0 };
+            let mut first = if weight > 0.0 { (*taken as usize).min(steps.len()) } else { 0 };
             while first > 0 && !(needed(&steps[first - 1]) && key(&steps[first - 1]) > high) {
                 first -= 1;
             }
@@ -390,7 +402,7 @@ impl Budget {
             if let Some(last) = first.checked_sub(1) {
                 above += u64::from(levels[steps[last].to as usize].triangles - levels[0].triangles);
             }
-            taken[number] = first as u32;
+            *taken = first as u32;
         }
         let Some(mut room) = room.checked_sub(above) else { return false };
         let order = |a: &Entry, b: &Entry| {
@@ -414,11 +426,15 @@ impl Budget {
         let step = objects[first_left.object as usize].ladder.steps()[first_left.step as usize];
         let drawn = step.to <= rungs[first_left.object as usize];
         *slope = if drawn { first_left.key / boost } else { first_left.key };
-        // Smaller steps may still fit.
-        let rest = &mut entries[reached..];
-        let rest = if rest.len() > REST { rest.select_nth_unstable_by(REST, order).0 } else { rest };
-        rest.sort_unstable_by(order);
-        for entry in rest {
+        // Smaller steps may still fit. The room only shrinks, so steps too large for it now need no sorting.
+        entries.drain(..reached);
+        if entries.len() > REST {
+            entries.select_nth_unstable_by(REST, order);
+            entries.truncate(REST);
+        }
+        entries.retain(|entry| u64::from(entry.triangles) <= room);
+        entries.sort_unstable_by(order);
+        for entry in entries {
             let next = &mut taken[entry.object as usize];
             if *next == entry.step && u64::from(entry.triangles) <= room {
                 *next += 1;
@@ -433,10 +449,13 @@ impl Budget {
 struct Sum {
     triangles: u64,
     error: f64,
+    /// Objects on another rung than before.
+    changed: usize,
 }
 
 impl Sum {
-    fn add(&mut self, object: &LadderObject<'_>, weight: f64, rung: u32) {
+    fn add(&mut self, object: &LadderObject<'_>, weight: f64, rung: u32, changed: bool) {
+        self.changed += usize::from(changed);
         if let Some(rung) = object.ladder.rungs().get(rung as usize) {
             self.triangles += u64::from(rung.triangles);
             self.error += weight * f64::from(rung.error);

@@ -115,8 +115,9 @@ impl Exact {
         best.clear();
         best.resize(problem.objects.len(), 0);
         for (number, object) in problem.objects.iter().enumerate() {
-            let (first, weight) = (choices.len(), f64::from(object.weight()));
-            let finest = object.finest_rung(problem.tolerance_px) as usize;
+            let (first, weight) = (choices.len(), object.weight());
+            let finest = object.finest_rung(weight, problem.tolerance_px) as usize;
+            let weight = f64::from(weight);
             for (rung, level) in object.ladder.rungs().iter().take(finest + 1).enumerate() {
                 let (triangles, error) = (u64::from(level.triangles), weight * f64::from(level.error));
                 let priced = error + problem.slope * triangles as f64;

@@ -198,8 +198,9 @@ impl<'a> LadderObject<'a> {
     }
 
     /// Returns the coarsest rung of the hull with a screen error within the tolerance, or the finest rung; 0 without a weight.
-    pub(super) fn finest_rung(&self, tolerance_px: f32) -> u32 {
-        if self.weight() <= 0.0 {
+    /// `weight` is the object's [`weight`](Self::weight).
+    pub(super) fn finest_rung(&self, weight: f32, tolerance_px: f32) -> u32 {
+        if weight <= 0.0 {
             return 0;
         }
         if tolerance_px <= 0.0 {
