@@ -181,6 +181,24 @@ fn a_factor_does_not_wind_down_while_instances_lag() {
     }
 }
 
+/// After a rise of the budget, the factor falls by little in a frame: no frame pays for all of the new triangles.
+#[test]
+fn a_rise_of_the_budget_is_spread_over_frames() {
+    let mut scene = scene(&LodOptions::default());
+    let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(2_000)).unwrap();
+    for _ in 0..40 {
+        frame(&mut budget, &mut scene, 7, [1.0; 3]);
+    }
+    budget.set_triangles(5_000);
+    let mut before = frame(&mut budget, &mut scene, 7, [1.0; 3]).triangles;
+    for _ in 0..80 {
+        let report = frame(&mut budget, &mut scene, 7, [1.0; 3]);
+        assert!(report.triangles <= before + 250 && report.rounds == 0, "{before}, then {report:?}");
+        before = report.triangles;
+    }
+    assert!(before > 4_600, "{before} of 5,000");
+}
+
 /// A focus heeds no factor, so the rounds are in vain.
 #[test]
 fn the_coarsest_is_drawn_where_no_factor_is_enough() {

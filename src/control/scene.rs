@@ -1,10 +1,14 @@
 //! One number of triangles for many instances, by the factors of their tolerances.
 //!
 //! ```text
-//!     triangles    0 ------------- 93 % --- 96.5 % --- budget ------>
-//!     factor            falls       |       stays        |   rises, and the frame is adapted again
-//!                       to 96.5 %   |                    |   to 96.5 %
+//!     triangles    0 ------------- 93 % ------------- 99 % ----- budget ------>
+//!     factor         falls, by 2 %   |      stays       |  rises    |  rises, and the frame is adapted again
+//!                    a frame at most,|                  |  to 98 %  |  to 96.5 %
+//!                    to 96.5 %       |                  |           |
 //! ```
+//!
+//! A change of the factor costs in proportion to its step: it wakes refinements whose answers the step may change. Small steps spread
+//! that work over frames.
 //!
 //! Factors, not limits of each instance (`LodOptions::triangles`): an instance that is at its limit weighs refinements against each
 //! other, by urgency, all along its cut. A factor only asks the refinements near the tolerance again, and all others sleep on.
@@ -15,9 +19,14 @@ use crate::view::ObjectView;
 use super::error::{ControlError, check};
 use super::estimate::Estimate;
 
-/// Shares of the budget: below `ROOM`, the factor falls; a change aims at `AIM`.
+/// Shares of the budget: below `ROOM`, the factor falls until `AIM` is reached.
 const ROOM: f64 = 0.93;
 const AIM: f64 = 0.965;
+/// Shares of the budget: above `HIGH`, the factor rises until `LEVEL` is reached.
+const HIGH: f64 = 0.99;
+const LEVEL: f64 = 0.98;
+/// Most growth of the triangles in a frame by a falling factor, as a share of the budget.
+const PACE: f64 = 0.02;
 /// Least rise of the factor when there are too many triangles.
 const RISE: f32 = 1.01;
 /// Most growth of the triangles, from frame to frame, that is provided for.
@@ -127,8 +136,9 @@ pub struct SceneReport {
 ///
 /// All tolerances grow by one factor, so the largest screen error, weighted by importance, is as small as the budget allows.
 /// (To make the sum of all errors smallest, across objects with known levels, use [`Budget`](super::Budget).) The factor is never
-/// below 1. It changes when triangles exceed the budget, or leave more than 7 % of it unused, or are about to exceed it at the
-/// rate of the last frame. A still scene comes to rest.
+/// below 1. It rises when triangles exceed 99 % of the budget, or are about to at the rate of the last frame, and falls when they
+/// leave more than 7 % of it unused: by so little in a frame that triangles grow by at most 2 % of the budget, so that no frame pays
+/// for all of it. A still scene comes to rest.
 ///
 /// Never above the budget after [`adapt`](Self::adapt), unless the coarsest levels are: in a frame with too many triangles the
 /// factor rises and all instances adapt again; pending work and geomorphs of such a frame are settled at once. Options of instances
@@ -168,6 +178,8 @@ pub struct SceneBudget {
     lags: bool,
     /// Triangles drawn when a lower factor was too low.
     rest: Option<usize>,
+    /// Set while the factor is on its way down to `AIM`.
+    fills: bool,
 }
 
 impl SceneBudget {
@@ -185,6 +197,7 @@ impl SceneBudget {
             drawn: None,
             lags: false,
             rest: None,
+            fills: false,
         })
     }
 
@@ -210,7 +223,7 @@ impl SceneBudget {
     pub fn adapt(&mut self, objects: &mut [SceneObject<'_>], seconds: f32) -> SceneReport {
         let limit = self.options.triangles;
         let aim = (AIM * limit as f64) as usize;
-        let lowered = self.prepare(aim);
+        let lowered = self.prepare();
         let expected = self.scene.triangles_at(self.factor);
         let [mut total, mut pending] = pass(objects, |object| object.adapt(self.factor, seconds));
         if self.drawn.is_some() && expected > 0.0 {
@@ -241,6 +254,7 @@ impl SceneBudget {
         }
         if rounds > 0 {
             self.rest = lowered.then_some(total);
+            self.fills = false;
         }
         self.drawn = Some(total);
         self.lags = pending as f64 > LAG * total as f64;
@@ -248,17 +262,22 @@ impl SceneBudget {
     }
 
     /// Sets the factor for the frame. Returns whether it fell.
-    fn prepare(&mut self, aim: usize) -> bool {
+    fn prepare(&mut self) -> bool {
         let (Some(drawn), limit) = (self.drawn, self.options.triangles as f64) else { return false };
-        let next = drawn as f64 * self.growth;
-        let another = self.rest.is_none_or(|rest| (drawn as f64 / rest as f64 - 1.0).abs() > ANOTHER);
-        let spare = (aim as f64 / self.growth.max(1.0)) as usize;
-        if next > limit && drawn as f64 > ROOM * limit {
-            self.factor = self.scene.factor_for(spare).clamp(self.factor, self.factor * 2.0);
-        } else if next < ROOM * limit && self.factor > 1.0 && another && !self.lags {
-            let factor = self.scene.factor_for(spare).min(self.factor);
+        let (drawn, growth) = (drawn as f64, self.growth.max(1.0));
+        let next = drawn * self.growth;
+        let another = self.rest.is_none_or(|rest| (drawn / rest as f64 - 1.0).abs() > ANOTHER);
+        if next > HIGH * limit && drawn > ROOM * limit {
+            // Room for as much growth again: 2 to 3.5 %.
+            let spare = limit * (2.0 - growth).clamp(AIM, LEVEL) / growth;
+            self.factor = self.scene.factor_for(spare as usize).clamp(self.factor, self.factor * 2.0);
+            self.fills = false;
+        } else if (self.fills || next < ROOM * limit) && self.factor > 1.0 && another && !self.lags {
+            let [full, paced] = [AIM * limit / growth, drawn + PACE * limit];
+            let factor = self.scene.factor_for(full.min(paced) as usize).min(self.factor);
             let fell = factor < self.factor;
             self.factor = factor.max(1.0);
+            self.fills = paced < full;
             self.rest = None;
             return fell;
         }
