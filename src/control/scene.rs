@@ -2,9 +2,8 @@
 //!
 //! ```text
 //!     triangles    0 ------------- 93 % ------------- 99 % ----- budget ------>
-//!     factor         falls, by 2 %   |      stays       |  rises    |  rises, and the frame is adapted again
-//!                    a frame at most,|                  |  to 98 %  |  to 96.5 %
-//!                    to 96.5 %       |                  |           |
+//!     factor       falls, in steps,  |      stays       |  rises    |  rises, and the frame is adapted again
+//!                  to 96.5 %         |                  |  to 98 %  |  to 96.5 %
 //! ```
 //!
 //! A change of the factor costs in proportion to its step: it wakes refinements whose answers the step may change. Small steps spread
@@ -25,7 +24,7 @@ const AIM: f64 = 0.965;
 /// Shares of the budget: above `HIGH`, the factor rises until `LEVEL` is reached.
 const HIGH: f64 = 0.99;
 const LEVEL: f64 = 0.98;
-/// Most growth of the triangles in a frame by a falling factor, as a share of the budget.
+/// Growth of the triangles in a frame by a falling factor, as a share of the budget; half of what is unused, if that is more.
 const PACE: f64 = 0.02;
 /// Least rise of the factor when there are too many triangles.
 const RISE: f32 = 1.01;
@@ -137,8 +136,8 @@ pub struct SceneReport {
 /// All tolerances grow by one factor, so the largest screen error, weighted by importance, is as small as the budget allows.
 /// (To make the sum of all errors smallest, across objects with known levels, use [`Budget`](super::Budget).) The factor is never
 /// below 1. It rises when triangles exceed 99 % of the budget, or are about to at the rate of the last frame, and falls when they
-/// leave more than 7 % of it unused: by so little in a frame that triangles grow by at most 2 % of the budget, so that no frame pays
-/// for all of it. A still scene comes to rest.
+/// leave more than 7 % of it unused: in steps of 2 % of the budget or half of what is unused a frame, so that no frame pays for all of
+/// it, or at once where instances have work pending from frame to frame. A still scene comes to rest.
 ///
 /// Never above the budget after [`adapt`](Self::adapt), unless the coarsest levels are: in a frame with too many triangles the
 /// factor rises and all instances adapt again; pending work and geomorphs of such a frame are settled at once. Options of instances
@@ -174,7 +173,8 @@ pub struct SceneBudget {
     growth: f64,
     /// Triangles drawn last; `None` before the first frame.
     drawn: Option<usize>,
-    /// Set if much of what the factor asks for is not drawn yet.
+    /// Set if anything that the factor asks for is not drawn yet (`waits`), and if much is (`lags`).
+    waits: bool,
     lags: bool,
     /// Triangles drawn when a lower factor was too low.
     rest: Option<usize>,
@@ -195,6 +195,7 @@ impl SceneBudget {
             scene: Estimate::new(0),
             growth: 1.0,
             drawn: None,
+            waits: false,
             lags: false,
             rest: None,
             fills: false,
@@ -257,6 +258,7 @@ impl SceneBudget {
             self.fills = false;
         }
         self.drawn = Some(total);
+        self.waits = pending > 0;
         self.lags = pending as f64 > LAG * total as f64;
         SceneReport { triangles: total, factor: self.factor, rounds, coarsest, over_budget: total > limit }
     }
@@ -273,11 +275,14 @@ impl SceneBudget {
             self.factor = self.scene.factor_for(spare as usize).clamp(self.factor, self.factor * 2.0);
             self.fills = false;
         } else if (self.fills || next < ROOM * limit) && self.factor > 1.0 && another && !self.lags {
-            let [full, paced] = [AIM * limit / growth, drawn + PACE * limit];
-            let factor = self.scene.factor_for(full.min(paced) as usize).min(self.factor);
+            let full = AIM * limit / growth;
+            let paced = (drawn + (PACE * limit).max(0.5 * (full - drawn))) / self.growth.min(1.0);
+            // Instances with work pending spread their work themselves.
+            let spare = if self.waits { full } else { paced.min(full) };
+            let factor = self.scene.factor_for(spare as usize).min(self.factor);
             let fell = factor < self.factor;
             self.factor = factor.max(1.0);
-            self.fills = paced < full;
+            self.fills = spare < full;
             self.rest = None;
             return fell;
         }
