@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use multires::mesh::{Mesh, MeshPoint, shapes};
-use multires::remesh::{Depth, Parameterisation, RemeshError, Remesher, Smoothing};
+use multires::remesh::{Depth, Fitting, Parameterisation, RemeshError, Remesher, Smoothing};
 use multires::wavelet::{DomainPoint, WaveletOptions};
 use support::{along, at, awkward, distance, is_face, map, models, on_base, remesh, sides, weights};
 
@@ -122,7 +122,7 @@ fn images_of_base_faces_have_the_area_of_the_mesh() {
 #[test]
 fn vertices_of_the_remesh_lie_at_their_images() {
     for (name, mesh, faces) in all() {
-        let map = map(&mesh, faces);
+        let map = Remesher::new().base_faces(faces).fitting(Fitting::Off).run(&mesh).unwrap();
         let go_on = |_| ControlFlow::Continue(());
         let baked = map.bake_with(&mesh, Depth::Levels(3), &WaveletOptions::default(), go_on).unwrap();
         let remesh = baked.model.structure();

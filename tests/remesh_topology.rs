@@ -5,6 +5,8 @@ mod real;
 #[path = "support/remesh.rs"]
 mod support;
 
+use std::collections::BTreeSet;
+
 use multires::mesh::{Mesh, Report, Topology, shapes};
 use multires::quality::{DistanceOptions, distance};
 use multires::remesh::{Depth, Remesher, Smoothing};
@@ -181,6 +183,41 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn faces_across_features_are_split_alike() {
+    let [mut alike, mut others] = [0; 2];
+    for (name, mesh, faces) in models() {
+        let map = map(&mesh, faces);
+        let error = 0.002 * mesh.diagonal() as f32;
+        let baked = map.bake(&mesh, Depth::Error(error), &WaveletOptions::default()).unwrap();
+        let of = baked.structure().subdivision();
+        // Places along every side of every base face at which a face has a corner.
+        let mut along = vec![[(); 3].map(|()| BTreeSet::new()); map.base().triangles().len()];
+        for face in (0..of.face_count() as u32).filter(|&face| !of.is_split(face)) {
+            for place in of.domain_of_face(face).unwrap() {
+                for side in (0..3).filter(|side| place.barycentric[(side + 2) % 3] == 0.0) {
+                    along[place.base_face as usize][side].insert((place.barycentric[side] * 65_536.0) as u32);
+                }
+            }
+        }
+        for sides in sides(map.base()).values() {
+            let places = |&(face, side, backward): &(u32, usize, bool)| -> Vec<u32> {
+                let places = along[face as usize][side].iter().copied();
+                if backward { places.map(|t| 65_536 - t).rev().collect() } else { places.collect() }
+            };
+            let is_feature = map.is_feature(sides[0].0, sides[0].1);
+            for side in sides {
+                let is_alike = places(side) == places(&sides[0]);
+                assert!(is_alike || !is_feature, "{name}: {sides:?}");
+                alike += usize::from(is_feature && places(side).len() > 2);
+                others += usize::from(!is_alike);
+            }
+        }
+    }
+    println!("{alike} split sides on features, {others} unequal ones elsewhere");
+    assert!(alike > 500 && others > 500);
 }
 
 #[cfg(feature = "io")]

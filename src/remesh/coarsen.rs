@@ -11,7 +11,7 @@ use crate::simplify::oracle::{
 };
 use crate::simplify::{
     AttributeWeights, CollapseSequence, ErrorMeasure, Frame, Guard, Oracle, Parts, Permissive, Placement,
-    Simplifier, Target,
+    Simplifier, SimplifyReport, Target,
 };
 
 use super::RemeshError;
@@ -20,6 +20,9 @@ use super::layout::{FanFace, Hub, Layout};
 use super::oracle::{EvenValence, Flattens, LimitedValence, walk};
 use super::sectors::Sectors;
 
+/// Where the rules allow no base nearly as small as asked for, one in so many faces asked for is left on top of the smallest
+/// possible base, so that parts which could go on are not ground down in the place of parts which cannot.
+const SPARE: usize = 4;
 /// Share of the time taken by the simplification.
 const SIMPLIFICATION: f32 = 0.9;
 
@@ -28,6 +31,7 @@ pub(super) struct Coarse {
     pub layout: Layout,
     /// Sectors at the corners of every face ever made; input faces first.
     pub corners: Vec<[u32; 3]>,
+    pub report: SimplifyReport,
 }
 
 pub(super) fn coarsen(
@@ -68,17 +72,27 @@ pub(super) fn coarsen(
     if is_cancelled {
         return Err(RemeshError::Cancelled);
     }
-    replay(sectors, &sequence)
+    let fewest = sequence.triangles_after(sequence.len());
+    let spare = faces / SPARE;
+    let steps = match fewest > faces.saturating_add(spare) {
+        true => sequence.steps_for_triangles(fewest + spare),
+        false => sequence.len(),
+    };
+    replay(sectors, &sequence, steps)
 }
 
-/// Replays a sequence of collapses onto kept vertices, and records the map of each.
-fn replay(sectors: &Sectors, sequence: &CollapseSequence) -> Result<Coarse, RemeshError> {
+/// Replays the first steps of a sequence of collapses onto kept vertices, and records the map of each.
+fn replay(sectors: &Sectors, sequence: &CollapseSequence, steps: usize) -> Result<Coarse, RemeshError> {
     let mesh = &sectors.mesh;
     let count = mesh.triangles().len();
     // Positions as the rules saw them.
     let frame = Frame::new(mesh);
     let at = |sector: u32| DVec3::from_array(frame.inner(mesh.positions()[sector as usize]).map(f64::from));
-    let mut coarse = Coarse { layout: Layout::new(count), corners: mesh.triangles().to_vec() };
+    let report = sequence.report().clone();
+    let patches = (0..steps).map(|step| sequence.substitutions(step).len()).sum();
+    let mut corners = Vec::with_capacity(count + 5 * patches);
+    corners.extend_from_slice(mesh.triangles());
+    let mut coarse = Coarse { layout: Layout::new(count, patches), corners, report };
     // Triangles keep their slots and the order of their corners, while their faces change.
     let mut face_of: Vec<u32> = (0..count as u32).collect();
     let mut first_corner = vec![0u8; count];
@@ -86,7 +100,7 @@ fn replay(sectors: &Sectors, sequence: &CollapseSequence) -> Result<Coarse, Reme
     let mut stars = Stars::new(&triangles, &sectors.is_face, mesh.positions().len());
     let (mut ring, mut order, mut positions, mut flat) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut star, mut before) = (Vec::new(), Vec::new());
-    for step in 0..sequence.len() {
+    for step in 0..steps {
         for &[lost, kept] in sequence.substitutions(step) {
             stars.collect(lost, &triangles, &mut star);
             order.clear();
@@ -126,6 +140,7 @@ fn replay(sectors: &Sectors, sequence: &CollapseSequence) -> Result<Coarse, Reme
             }
         }
     }
+    coarse.layout.shrink();
     Ok(coarse)
 }
 

@@ -1,6 +1,7 @@
 //! The corners of all cells of a level, numbered: corners on an edge of the base once, whatever the face they are seen from.
 
 use crate::mesh::Mesh;
+use crate::wavelet::DomainPoint;
 
 use super::cells::{BaseEdges, Cell};
 
@@ -73,6 +74,12 @@ impl Corners {
         };
         let (first, against) = self.sides[face as usize][side];
         Corner::Side(side, first + if against { n - along } else { along } - 1)
+    }
+
+    /// Returns the corner nearest to a place on the base.
+    pub fn at(&self, domain: &DomainPoint) -> Corner {
+        let n = f64::from(self.along());
+        self.of(domain.base_face, [1, 2].map(|k| (domain.barycentric[k] * n).round() as u16))
     }
 
     /// Returns the lowest base face at a corner on an edge.

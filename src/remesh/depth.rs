@@ -3,9 +3,11 @@
 //! ```text
 //!     1  each base face alone: split a cell while a point of the mesh over it is further from it than the tolerance
 //!     2  from the finest level to the coarsest: split the cells beside split cells of the next level, so that cells at a
-//!        common edge differ by one level at most
+//!        common edge differ by one level at most, and those across features from split cells
 //!     3  subdivide
 //! ```
+
+use std::collections::BTreeSet;
 
 use glam::DVec3;
 
@@ -64,7 +66,7 @@ impl Depth {
             }
             Self::Error(error) => {
                 let Splits { levels: mut split, folded } = Splits::new(map, mesh, f64::from(error));
-                balance(&BaseEdges::new(map.base()), &mut split);
+                balance(map, &mut split);
                 for (level, cells) in split.iter().enumerate() {
                     builder.subdivide_where(
                         |face| {
@@ -80,9 +82,15 @@ impl Depth {
     }
 }
 
-/// Splits the cells beside split cells of the next level.
-fn balance(edges: &BaseEdges, split: &mut [Vec<Cell>]) {
-    for level in (1..split.len()).rev() {
+/// Splits the cells beside split cells of the next level, and those across features from split cells: a vertex on a feature
+/// has the values of both sides.
+fn balance(map: &Parameterisation, split: &mut [Vec<Cell>]) {
+    let edges = &BaseEdges::new(map.base());
+    for level in (0..split.len()).rev() {
+        add_across_features(map, edges, level, &mut split[level]);
+        if level == 0 {
+            break;
+        }
         let (coarser, finer) = split.split_at_mut(level);
         let needed = &mut coarser[level - 1];
         for &cell in &finer[0] {
@@ -93,6 +101,25 @@ fn balance(edges: &BaseEdges, split: &mut [Vec<Cell>]) {
         needed.sort_unstable();
         needed.dedup();
     }
+}
+
+fn add_across_features(map: &Parameterisation, edges: &BaseEdges, level: usize, split: &mut Vec<Cell>) {
+    let mut at = 0;
+    let mut is_split: BTreeSet<Cell> =
+        split.iter().copied().filter(|cell| (0..3).any(|side| cell.across(level, side).is_err())).collect();
+    while let Some(&cell) = split.get(at) {
+        at += 1;
+        for side in 0..3 {
+            if cell.across(level, side).is_err_and(|side| map.is_feature(cell.base, side)) {
+                edges.for_neighbours(cell, level, side, |other| {
+                    if is_split.insert(other) {
+                        split.push(other);
+                    }
+                });
+            }
+        }
+    }
+    split.sort_unstable();
 }
 
 /// Cells to split, by level, ascending.

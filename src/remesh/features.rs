@@ -4,7 +4,8 @@
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Creasing {
-    /// Creases of more than 41.4 degrees where they outline a made object, not the relief of a scan.
+    /// Creases of more than 41.4 degrees where they outline a made object, not the relief of a scan, and edges as sharp that
+    /// continue them.
     #[default]
     Automatic,
     /// All edges whose triangles' normals differ by more than this angle, degrees, 0 to 180.

@@ -72,8 +72,27 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn new(input_faces: usize) -> Self {
-        Self { input_faces: input_faces as u32, replaced_by: vec![NONE; input_faces], ..Self::default() }
+    /// Without patches; with room for `patches`, of a few points more than usual: growing arrays take twice their size.
+    pub fn new(input_faces: usize, patches: usize) -> Self {
+        let mut replaced_by = Vec::with_capacity(input_faces + 5 * patches);
+        replaced_by.resize(input_faces, NONE);
+        Self {
+            input_faces: input_faces as u32,
+            patches: Vec::with_capacity(patches),
+            points: Vec::with_capacity(8 * patches),
+            before: Vec::with_capacity(7 * patches),
+            made_by: Vec::with_capacity(5 * patches),
+            replaced_by,
+        }
+    }
+
+    /// Gives back room that is not needed.
+    pub fn shrink(&mut self) {
+        self.patches.shrink_to_fit();
+        self.points.shrink_to_fit();
+        self.before.shrink_to_fit();
+        self.made_by.shrink_to_fit();
+        self.replaced_by.shrink_to_fit();
     }
 
     /// Number of faces ever made, input faces included.

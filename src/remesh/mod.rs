@@ -23,6 +23,7 @@
 //! | `distortion.rs` | [`Distortion`]: how far the map is from keeping angles and areas |
 //! | `cells.rs` | faces of a subdivided base by number, and their neighbours |
 //! | `unfold.rs` | moves corners of cells that face away from the mesh |
+//! | `fit.rs` | moves vertices off the mesh, so that triangles come closest to it |
 //! | `depth.rs` | [`Depth`]: which faces to split |
 //! | `bake/` | [`BakedTexture`], [`NormalMap`]: the mesh's textures, colours and normals for the atlas of a remesh |
 //! | `error.rs` | [`RemeshError`] |
@@ -36,6 +37,7 @@ mod depth;
 mod distortion;
 mod error;
 mod features;
+mod fit;
 mod flatten;
 mod layout;
 mod oracle;
@@ -52,4 +54,4 @@ pub use distortion::{Distortion, Spread};
 pub use error::RemeshError;
 pub use features::{Creasing, Features};
 pub use parameterisation::{Parameterisation, Remesh};
-pub use remesher::{Remesher, Smoothing};
+pub use remesher::{Fitting, Remesher, Smoothing};

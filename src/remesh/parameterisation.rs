@@ -7,16 +7,18 @@ use glam::DVec3;
 
 use crate::lod::Baked;
 use crate::mesh::{Mesh, MeshPoint, NONE, names};
+use crate::simplify::SimplifyReport;
 use crate::wavelet::{DomainPoint, WaveletBuilder, WaveletError, WaveletMesh, WaveletOptions};
 
 use super::cells::{BaseEdges, DEEPEST};
 use super::coarsen::Coarse;
+use super::fit::{Fitted, fit};
 use super::layout::{Layout, Place};
 use super::sectors::Sectors;
 use super::smooth::{Target, smooth};
 use super::unfold::{Unfolded, unfold};
 use super::warp::Warp;
-use super::{Depth, RemeshError, Smoothing};
+use super::{Depth, Fitting, RemeshError, Smoothing};
 
 /// Coarsest and finest level of cells moved by smoothing: about as many cells as the mesh has triangles.
 const LEAST_LEVEL: f64 = 2.0;
@@ -43,14 +45,23 @@ pub struct Parameterisation {
     features: Vec<[bool; 3]>,
     /// Smooths the map: applied to places on the base before they go to the mesh.
     warp: Option<Warp>,
+    /// Where the vertices of remeshes go.
+    fitting: Fitting,
+    /// What the simplification to the base ended with.
+    report: SimplifyReport,
     source_triangles: usize,
     /// Per vertex of the mesh its sector, over which normals are to be smooth; empty where the mesh's normals are kept.
     smooth_over: Vec<u32>,
 }
 
 impl Parameterisation {
-    pub(super) fn new(source: &Mesh, sectors: &Sectors, coarse: Coarse, smoothing: Smoothing) -> Self {
-        let Coarse { layout, corners } = coarse;
+    pub(super) fn new(
+        source: &Mesh,
+        sectors: &Sectors,
+        coarse: Coarse,
+        (smoothing, fitting): (Smoothing, Fitting),
+    ) -> Self {
+        let Coarse { layout, corners, report } = coarse;
         let is_base = |&face: &u32| {
             layout.is_last(face) && sectors.is_face.get(face as usize).is_none_or(|&is_face| is_face)
         };
@@ -106,12 +117,19 @@ impl Parameterisation {
             let level = (cells.log2() / 2.0).round().clamp(LEAST_LEVEL, MOST_LEVEL) as usize;
             smooth(&Target { base: &base, edges, features, layout, faces, mesh: source }, level)
         });
-        Self { base, layout, faces, features, warp, source_triangles: source.triangles().len(), smooth_over }
+        let source_triangles = source.triangles().len();
+        Self { base, layout, faces, features, warp, fitting, report, source_triangles, smooth_over }
     }
 
     /// Returns the base: vertices of the mesh with all attributes, materials by triangle.
     pub fn base(&self) -> &Mesh {
         &self.base
+    }
+
+    /// Returns the report of the simplification to the base: why it ended, and the rules that refused what was left. Its errors are
+    /// lengths of paths of merged points, which say nothing of a remesh.
+    pub fn report(&self) -> &SimplifyReport {
+        &self.report
     }
 
     /// Returns the number of triangles of the mesh.
@@ -151,7 +169,8 @@ impl Parameterisation {
         Some(DomainPoint::new(place.face, place.weights))
     }
 
-    /// Remeshes: subdivides the base, with every new vertex at its point of `mesh`, and all attributes there. `mesh` is the
+    /// Remeshes: subdivides the base, with every new vertex at its point of `mesh` ([`Fitting`] moves it off the mesh), and all
+    /// attributes there. `mesh` is the
     /// mesh that the map was made from, or one with the same triangles in another pose or with other attributes.
     ///
     /// # Errors
@@ -190,13 +209,22 @@ impl Parameterisation {
         let at = |domain: &DomainPoint| {
             self.to_mesh(&unfolded.apply(domain)).unwrap_or(MeshPoint::new(0, [1.0, 0.0, 0.0]))
         };
-        let place = |domain: &DomainPoint| at(domain).position(mesh).unwrap_or_default().map(|x| x as f32);
+        let fitted = match depth {
+            Depth::Levels(levels) if levels <= DEEPEST && self.fitting == Fitting::LeastSquares => {
+                fit(self, mesh, levels, &unfolded)
+            }
+            _ => Fitted::none(unfolded.folded[1]),
+        };
+        let place = |domain: &DomainPoint| {
+            let point = DVec3::from_array(at(domain).position(mesh).unwrap_or_default());
+            (point + fitted.shift(domain)).as_vec3().to_array()
+        };
         let left = depth.subdivide(self, mesh, &mut builder, place)?;
         if progress(PLACING).is_break() {
             return Err(RemeshError::Cancelled);
         }
         let rest = |share: f32| progress(PLACING + (1.0 - PLACING) * share);
-        let [found, folded] = if left > 0 { [left; 2] } else { unfolded.folded };
+        let [found, folded] = if left > 0 { [left; 2] } else { [unfolded.folded[0], fitted.folded] };
         Ok(Remesh { model: builder.bake_from(mesh, options, at, rest)?, unfolded: found - folded, folded })
     }
 
@@ -250,7 +278,7 @@ pub struct Remesh {
     /// The model: a wavelet mesh with the attributes of the mesh.
     pub model: Baked<WaveletMesh>,
     /// Triangles of the full resolution which faced away from the mesh, at their corners and in the middle, until corners
-    /// were moved. Each lies beside folds of the mesh finer than itself.
+    /// were moved over the mesh, or off it. Each lies beside folds of the mesh finer than itself.
     pub unfolded: usize,
     /// Triangles which still face away.
     pub folded: usize,

@@ -38,6 +38,7 @@ pub struct Remesher<M = MemorylessQuadric> {
     base_faces: usize,
     features: Features,
     smoothing: Smoothing,
+    fitting: Fitting,
 }
 
 /// Smoothing of the map from a base to a mesh.
@@ -49,6 +50,19 @@ pub enum Smoothing {
     /// Points of the base move towards the discrete harmonic map: edges of the base do not show, angles are kept better.
     #[default]
     Harmonic,
+}
+
+/// Where the vertices of a remesh go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Fitting {
+    /// On the mesh: a remesh lies inside of bulges and outside of hollows.
+    Off,
+    /// Off the mesh, along their normals, so that the triangles come closest to the mesh: mean and largest distances fall by
+    /// about a third. Vertices of the base and on features stay on the mesh, and so do those of remeshes to an error
+    /// ([`Depth::Error`](super::Depth::Error)).
+    #[default]
+    LeastSquares,
 }
 
 impl Default for Remesher {
@@ -65,13 +79,15 @@ impl Remesher {
             base_faces: BASE_FACES,
             features: Features::new(),
             smoothing: Smoothing::default(),
+            fitting: Fitting::default(),
         }
     }
 }
 
 impl<M: ErrorMetric> Remesher<M> {
     /// Sets the number of base faces to aim at. Default: 500. More are left where features, the topology or the shape of
-    /// triangles forbid fewer.
+    /// triangles forbid fewer: if more by a quarter, then another quarter of the number is left on top of the fewest possible, so
+    /// that parts which could go on are not ground down in the place of parts which cannot.
     #[must_use]
     pub fn base_faces(mut self, count: usize) -> Self {
         self.base_faces = count;
@@ -82,8 +98,8 @@ impl<M: ErrorMetric> Remesher<M> {
     /// five metrics tried on a scan, before smoothing.
     #[must_use]
     pub fn metric<N: ErrorMetric>(self, metric: N) -> Remesher<N> {
-        let Self { base_faces, features, smoothing, .. } = self;
-        Remesher { metric, base_faces, features, smoothing }
+        let Self { base_faces, features, smoothing, fitting, .. } = self;
+        Remesher { metric, base_faces, features, smoothing, fitting }
     }
 
     /// Sets the edges that base edges must follow.
@@ -97,6 +113,13 @@ impl<M: ErrorMetric> Remesher<M> {
     #[must_use]
     pub fn smoothing(mut self, smoothing: Smoothing) -> Self {
         self.smoothing = smoothing;
+        self
+    }
+
+    /// Sets where the vertices of remeshes go. Default: [`Fitting::LeastSquares`].
+    #[must_use]
+    pub fn fitting(mut self, fitting: Fitting) -> Self {
+        self.fitting = fitting;
         self
     }
 
@@ -126,7 +149,7 @@ impl<M: ErrorMetric> Remesher<M> {
             return Err(RemeshError::Empty);
         }
         let coarse = coarsen(&sectors, Borrowed(&mut self.metric), self.base_faces, &mut progress)?;
-        let map = Parameterisation::new(mesh, &sectors, coarse, self.smoothing);
+        let map = Parameterisation::new(mesh, &sectors, coarse, (self.smoothing, self.fitting));
         if progress(1.0).is_break() { Err(RemeshError::Cancelled) } else { Ok(map) }
     }
 }

@@ -11,14 +11,18 @@ use std::borrow::Cow;
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::lists::Lists;
 use crate::geometry::sets::Sets;
 use crate::mesh::{Attribute, AttributeValues, Edges, Mesh, NONE, Tolerances, Topology};
-use crate::simplify::{Normals, NormalsDone, WorkingSurface};
+use crate::simplify::{Normals, NormalsDone, Rim, WorkingSurface};
 
 use super::{Creasing, Features, RemeshError};
 
 /// Largest turn of a curve at a point which is no corner, degrees.
 const CORNER_DEGREES: f64 = 45.0;
+
+/// Cosine of the angle between two triangles' normals below which their edge can continue a crease: 41.4 degrees.
+const CREASE: f64 = 0.75;
 
 /// A mesh with one vertex a sector.
 pub(super) struct Sectors {
@@ -119,14 +123,45 @@ fn feature_edges(
     if features.creasing == Creasing::Automatic {
         let surface = WorkingSurface::new(mesh, topology);
         let curves = surface.curves();
+        let mut reached = Vec::new();
         for edge in 0..curves.edge_count() as u32 {
-            let [a, b] = curves.ends(edge);
-            if let Some(edge) = edges.find(a, b) {
-                is_feature[edge as usize] = true;
+            let ends = curves.ends(edge);
+            if let Some(at) = edges.find(ends[0], ends[1]) {
+                is_feature[at as usize] = true;
+            }
+            if curves.rim(edge) == Rim::Crease {
+                reached.extend(ends);
+            }
+        }
+        let is_bent =
+            |edge: u32| matches!(edges.half_edges(edge), &[a, b] if normal(a).dot(normal(b)) < CREASE);
+        spread(topology.point_count(), edges, reached, &mut is_feature, is_bent);
+    }
+    is_feature
+}
+
+/// Marks edges that continue marked ones: the ends of creases which fade out outline nothing, but belong to the drawing.
+fn spread(
+    points: usize,
+    edges: &Edges,
+    mut reached: Vec<u32>,
+    is_feature: &mut [bool],
+    is_bent: impl Fn(u32) -> bool,
+) {
+    if reached.is_empty() {
+        return;
+    }
+    let bent = (0..edges.len() as u32).filter(|&edge| !is_feature[edge as usize] && is_bent(edge));
+    let bent: Vec<u32> = bent.collect();
+    let pairs = bent.iter().flat_map(|&edge| edges.ends()[edge as usize].map(|end| (end, edge)));
+    let around = Lists::from_pairs(points, pairs);
+    while let Some(point) = reached.pop() {
+        for &edge in around.get(point) {
+            if !std::mem::replace(&mut is_feature[edge as usize], true) {
+                reached.extend(edges.ends()[edge as usize]);
             }
         }
     }
-    is_feature
 }
 
 /// Returns which points are corners: locked by the caller, or where a curve turns sharply. Curves of which more than a

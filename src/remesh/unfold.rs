@@ -35,11 +35,7 @@ impl Unfolded {
     /// Returns where the mesh is to be looked up for a place on the base.
     pub fn apply(&self, domain: &DomainPoint) -> DomainPoint {
         let Some(corners) = &self.corners else { return *domain };
-        let n = f64::from(corners.along());
-        let [i, j] = [1, 2].map(|k| (domain.barycentric[k] * n).round() as u16);
-        let (Corner::Inner(number) | Corner::Side(_, number)) = corners.of(domain.base_face, [i, j]) else {
-            return *domain;
-        };
+        let (Corner::Inner(number) | Corner::Side(_, number)) = corners.at(domain) else { return *domain };
         let found = self.moved.binary_search_by_key(&number, |moved| moved.0);
         found.map_or(*domain, |at| self.moved[at].1)
     }
@@ -66,11 +62,13 @@ pub(super) fn unfold(map: &Parameterisation, mesh: &Mesh, level: usize) -> Unfol
     let mut folds = Folds { map, mesh, level, corners: Some(&corners), moved: Vec::new() };
     let mut left = folded.clone();
     for _ in 0..PASSES {
+        let mut near = left.clone();
         for &cell in &left {
-            folds.mend(&edges, cell);
+            folds.mend(&edges, cell, &mut near);
         }
-        // Other cells at moved corners never come to face away.
-        left.retain(|&cell| folds.is_folded(cell));
+        near.sort_unstable();
+        near.dedup();
+        left = near.into_iter().filter(|&cell| folds.is_folded(cell)).collect();
         if left.is_empty() {
             break;
         }
@@ -124,8 +122,8 @@ impl Folds<'_> {
         away(self.point(&middle).1).min(least)
     }
 
-    /// Moves a corner of a cell, if the cells around it then face away less.
-    fn mend(&mut self, edges: &BaseEdges, cell: Cell) {
+    /// Moves a corner of a cell, if the cells around it then face away less. `near` gets the cells around.
+    fn mend(&mut self, edges: &BaseEdges, cell: Cell, near: &mut Vec<Cell>) {
         for at in cell.corners() {
             if !self.is_folded(cell) {
                 return;
@@ -164,6 +162,7 @@ impl Folds<'_> {
                 }
             }
             if let Some(place) = best.1 {
+                near.extend(around.iter().map(|around| around.0));
                 match self.moved.binary_search_by_key(&number, |moved| moved.0) {
                     Ok(at) => self.moved[at].1 = place,
                     Err(at) => self.moved.insert(at, (number, place)),

@@ -40,6 +40,7 @@ pub use oracle::{Collapse, Oracle, Reads};
 pub use permissive::Permissive;
 pub use placement::Placement;
 pub use simplifier::Simplifier;
+pub(crate) use surface::Rim;
 pub use surface::{Corner, Facet, Frame, Patch, WorkingSurface};
 
 #[doc(no_inline)]

@@ -127,8 +127,7 @@ impl Run for Build {
         only_for(self.shape.is_some(), "--shape", Structure::Wavelet, "wavelet")?;
         only_for(self.remesh, "--remesh", Structure::Wavelet, "wavelet")?;
         if !self.remesh && (self.deep.is_given() || !self.base.is_default()) {
-            let reason =
-                "--levels, --error, --error-percent, --base, --features and --smoothing are for --remesh";
+            let reason = "--levels, --error, --error-percent, --base, --features, --smoothing and --fitting are for --remesh";
             return Err(Failure::Usage(reason.to_owned()));
         }
         only_for(self.level_share.is_some(), "--level-share", Structure::Gmesh, "gmesh")?;

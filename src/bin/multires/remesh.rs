@@ -8,7 +8,9 @@ use clap::{Args, ValueEnum};
 use multires::Baked;
 use multires::mesh::Mesh;
 use multires::quality::{self, DistanceOptions};
-use multires::remesh::{self, Creasing, Depth, Features, Parameterisation, Remesher, Smoothing, Spread};
+use multires::remesh::{
+    self, Creasing, Depth, Features, Fitting, Parameterisation, Remesher, Smoothing, Spread,
+};
 use multires::simplify::metric;
 use multires::wavelet::{Normals, WaveletMesh, WaveletOptions};
 use serde_json::{Value, json};
@@ -22,13 +24,13 @@ use crate::model::Model;
 use crate::output::{Answer, Failure, Run, Table};
 use crate::prepare::Preparation;
 use crate::progress::Bar;
-use crate::rules::{degrees, metric_name, not_negative};
+use crate::rules::{Rules, degrees, metric_name, not_negative};
 use crate::simplify;
 
 /// Deepest level at which the distortion is measured.
 const MEASURED_LEVEL: usize = 5;
 
-/// Remesh: simplify a mesh to a base, and subdivide the base with every new vertex on the mesh.
+/// Remesh: simplify a mesh to a base, and subdivide the base, with every new vertex at its point of the mesh.
 ///
 /// The remesh has subdivision connectivity, as wavelets need it, and all attributes and materials of the mesh. A mesh file gets
 /// the full depth; a .mres file the wavelet mesh, for `adapt`, `fly` and `extract`. Edges of the base follow borders, seams,
@@ -117,11 +119,21 @@ pub struct Base {
     /// Smooth the map, so that edges of the base do not show in the remesh, or leave it as it is [default: harmonic].
     #[arg(long, value_name = "S", value_enum)]
     smoothing: Option<Smooth>,
+    /// Move vertices off the mesh, so that the triangles of --levels come closest to it, or leave them on it [default:
+    /// least-squares].
+    #[arg(long, value_name = "F", value_enum)]
+    fitting: Option<Fit>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Smooth {
     Harmonic,
+    Off,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Fit {
+    LeastSquares,
     Off,
 }
 
@@ -131,7 +143,7 @@ const FACES: usize = 500;
 impl Base {
     /// Whether nothing was given.
     pub fn is_default(&self) -> bool {
-        self.faces.is_none() && self.features.is_none() && self.smoothing.is_none()
+        self.faces.is_none() && self.features.is_none() && self.smoothing.is_none() && self.fitting.is_none()
     }
 }
 
@@ -160,9 +172,13 @@ impl Remeshed {
             None | Some(Smooth::Harmonic) => (Smoothing::Harmonic, "harmonic"),
             Some(Smooth::Off) => (Smoothing::Off, "off"),
         };
+        let (fitting, fitting_name) = match base.fitting {
+            None | Some(Fit::LeastSquares) => (Fitting::LeastSquares, "least-squares"),
+            Some(Fit::Off) => (Fitting::Off, "off"),
+        };
         let features = Features::new().creasing(creasing);
         let remesher = Remesher::new().metric(metric).base_faces(asked).features(features);
-        let mut remesher = remesher.smoothing(smoothing);
+        let mut remesher = remesher.smoothing(smoothing).fitting(fitting);
         let bar = Bar::new("mapping");
         let map = remesher.run_with(mesh, |share| bar.share(share)).map_err(Failure::input)?;
         drop(bar);
@@ -185,9 +201,8 @@ impl Remeshed {
         let each = bytes as f64 / mesh.triangles().len().max(1) as f64;
         let mut warnings = Vec::new();
         if faces > asked.max(1) {
-            warnings.push(format!(
-                "the base has {faces} faces, not {asked}: features, the topology or the shapes of triangles forbid fewer"
-            ));
+            warnings
+                .push(format!("the base has {faces} faces, not {asked}: {}", Rules::obstacles(map.report())));
         }
         if folded > 0 {
             warnings.push(format!("{folded} triangles face away from the mesh: folds finer than they are"));
@@ -196,6 +211,7 @@ impl Remeshed {
         let members = vec![
             ("metric", json!(name)),
             ("smoothing", json!(smoothing_name)),
+            ("fitting", json!(fitting_name)),
             (
                 "base",
                 json!({ "asked": asked, "faces": faces, "vertices": vertices, "feature_sides": feature_sides }),

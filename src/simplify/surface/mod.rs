@@ -20,5 +20,6 @@ pub(super) mod wedge_map;
 mod wedge_values;
 mod working_surface;
 
+pub(crate) use curves::Rim;
 pub use patch::{Facet, Patch};
 pub use working_surface::{Corner, Frame, WorkingSurface};
