@@ -11,7 +11,7 @@ use crate::view::DeviationBounds;
 use super::bounds::{WaveletBounds, bounds};
 use super::from_quadrisection::from_quadrisection;
 use super::instance::surface::WaveletSurface;
-use super::recognise::{Component, recognise_across_seams};
+use super::recognise::{Component, recognise_across_seams, recognise_uneven};
 use super::{Normals, Subdivision, Triangulation, WaveletError, WaveletOptions};
 
 /// Share of the build time spent on finding the connectivity.
@@ -60,7 +60,8 @@ impl WaveletMesh {
     /// Recognises a mesh as a four-to-one subdivision of a coarser mesh, in all or some of its components. Finds the coarsest
     /// such mesh. Material borders may run only along coarse edges. In a component whose coarsening attribute seams would stop,
     /// seams may run inside coarse faces, else only along coarse edges. Faces with a seam inside are drawn split wherever in
-    /// view, so values are not smeared across the seam. O(n x levels).
+    /// view, so values are not smeared across the seam. Faces may be split to different depths if vertices are in the order of
+    /// levels ([`recognise_uneven`](super::recognise_uneven)). O(n x levels), and O(n log n) for meshes of uneven depth.
     ///
     /// # Errors
     /// [`WaveletError::NoConnectivity`] with a reason: no component is such a subdivision. Also too many faces or materials.
@@ -79,13 +80,22 @@ impl WaveletMesh {
             ControlFlow::Break(()) => Err(WaveletError::Cancelled),
         };
         stage(0.0)?;
-        let found = recognise_across_seams(mesh);
+        let found = recognise_uneven(mesh);
         if found.quadrisection.levels() == 0 {
             return Err(WaveletError::NoConnectivity { reason: refusal(&found.components) });
         }
         stage(RECOGNITION)?;
         let mut rest = |share: f32| progress(RECOGNITION + (1.0 - RECOGNITION) * share);
-        from_quadrisection(mesh, &found.quadrisection, options, &mut rest)
+        match from_quadrisection(mesh, &found, options, &mut rest) {
+            Err(WaveletError::NoConnectivity { .. }) => {}
+            made => return made,
+        }
+        // Only components of equal depth.
+        let found = recognise_across_seams(mesh);
+        if found.quadrisection.levels() == 0 {
+            return Err(WaveletError::NoConnectivity { reason: refusal(&found.components) });
+        }
+        from_quadrisection(mesh, &found, options, &mut rest)
     }
 
     /// Assembles matching parts. `materials`: ids of the base faces, or empty.

@@ -55,6 +55,8 @@ pub use instance::WaveletLod;
 pub use mesh::WaveletMesh;
 pub use options::{ErrorBound, Normals, WaveletOptions};
 pub use parts::WaveletParts;
-pub use recognise::{Component, Quadrisection, Recognition, Stop, recognise, recognise_across_seams};
+pub use recognise::{
+    Component, Quadrisection, Recognition, Stop, recognise, recognise_across_seams, recognise_uneven,
+};
 pub use subdivision::Subdivision;
 pub use transform::{Coefficients, Wavelet, WaveletTransform, l2_error};

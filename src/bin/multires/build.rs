@@ -11,9 +11,7 @@ use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, Normals, NormalsDone, Target};
 use multires::tom::{TomOptions, TotallyOrderedMesh};
 use multires::view::ErrorShape;
-use multires::wavelet::{
-    Component, ErrorBound, WaveletError, WaveletMesh, WaveletOptions, recognise_across_seams,
-};
+use multires::wavelet::{Component, ErrorBound, WaveletError, WaveletMesh, WaveletOptions, recognise_uneven};
 use serde_json::{Value, json};
 
 use crate::batches::{Independent, Sequence};
@@ -277,7 +275,7 @@ impl Build {
             }
             _ => Failure::Input(format!("{}: {error}", self.input.display())),
         })?;
-        let components = recognise_across_seams(&mesh).components;
+        let components = recognise_uneven(&mesh).components;
         notes.extend(rigid(&components));
         let members = vec![("components", components.iter().map(component).collect())];
         let mut rows = Table::default();
@@ -346,6 +344,7 @@ fn component(component: &Component) -> Value {
         "triangles": component.triangles,
         "levels": component.levels,
         "base_faces": component.base_faces,
+        "uneven": component.uneven,
         "first_triangle": component.first_triangle,
         "stop": component.stop.to_string(),
     })

@@ -68,6 +68,7 @@ fn group(
     let mut corners = Vec::with_capacity(faces / 4);
     let mut edges = Vec::with_capacity(faces / 4);
     let mut children = Vec::with_capacity(faces / 4);
+    let mut turns = Vec::new();
 
     // In order of the lowest face of every group, so that coarse faces keep the order of the input's triangles.
     for face in 0..faces {
@@ -84,8 +85,12 @@ fn group(
         lowest.push(complex.lowest[face]);
         corners.push([0, 1, 2].map(|k| group.corner(complex, k, 0)));
         children.push(group.children);
+        if !complex.turns.is_empty() {
+            turns.push(complex.turns[(group.children[3] / 3) as usize]);
+        }
     }
-    let coarse = Complex::new(lowest, corners, edges, sides.count as usize);
+    let mut coarse = Complex::new(lowest, corners, edges, sides.count as usize);
+    coarse.turns = turns;
     Ok(Coarsening { coarse, children, assumption })
 }
 
@@ -129,6 +134,10 @@ impl Group {
             if surface.material(triangle_of(child)) != surface.material(triangle) {
                 return Err(Stop::Material { triangle: triangle_of(child) });
             }
+        }
+        // Corner k of the centre is midpoint k: the centre turns as its parent does.
+        if !self.children[..3].iter().all(|&child| complex.may_start(child)) {
+            return Err(Stop::Irregular { triangle });
         }
         for k in 0..if surface.across_seams { 0 } else { 3 } {
             let midpoint = self.corner(complex, 3, k as u32);

@@ -41,6 +41,11 @@ pub(super) struct Complex {
     /// The edges of every face, numbered from 0 without gaps.
     pub edges: Vec<[u32; 3]>,
     pub edge_count: usize,
+    /// Per face a bit for each of its corners that may be corner 0 of the face in the forest; empty: all of them. Triangles that
+    /// close cracks show where corner 0 is.
+    pub turns: Vec<u8>,
+    /// The first half-edge along every edge.
+    first: Vec<u32>,
     /// The next half-edge along the same edge, in a ring.
     next: Vec<u32>,
 }
@@ -59,11 +64,21 @@ impl Complex {
                 next[*first as usize] = half_edge as u32;
             }
         }
-        Self { lowest, corners, edges, edge_count, next }
+        Self { lowest, corners, edges, edge_count, turns: Vec::new(), first, next }
     }
 
     pub fn face_count(&self) -> usize {
         self.edges.len()
+    }
+
+    /// Whether a corner of a face, given as `3 * face + corner`, may be corner 0 of the face in the forest.
+    pub fn may_start(&self, corner: u32) -> bool {
+        self.turns.get((corner / 3) as usize).is_none_or(|turns| turns >> (corner % 3) & 1 == 1)
+    }
+
+    /// Returns the lowest half-edge along an edge.
+    pub fn first(&self, edge: u32) -> u32 {
+        self.first[edge as usize]
     }
 
     /// Returns the next half-edge along the same edge; the half-edge itself at a border.

@@ -6,6 +6,10 @@
 //!     for every component
 //!         while four faces can be taken for one all over it            (coarsen.rs)
 //!             replace it by the coarser complex
+//!         if there was none                                            (peel.rs)
+//!             while faces split last are found beside unsplit ones
+//!                 merge both                                           (region.rs, merge.rs)
+//!             go on as above
 //!     grow the forest from the faces that are left
 //! ```
 //!
@@ -17,6 +21,11 @@
 //! | `complex.rs` | faces glued along edges |
 //! | `label.rs` | the state of a single face determines the states of all |
 //! | `coarsen.rs` | merging faces in fours, all over a component |
+//! | `tower.rs` | coarse faces of all components, and the forest grown from them |
+//! | `peel.rs` | components of uneven depth: the finest splits are taken off first |
+//! | `region.rs` | faces split last, joined by common sides, and the unsplit faces beside them |
+//! | `merge.rs` | the ways in which faces are taken for one |
+//! | `fans.rs` | faces around a point that are joined by edges |
 //! | `stop.rs` | why coarsening ended |
 //!
 //! The problem is posed in Taubin, "Is this a quadrisected mesh?" (ACM Solid Modeling 2001). Taubin finds the coarse mesh of a
@@ -34,12 +43,18 @@
 
 mod coarsen;
 mod complex;
+mod fans;
 mod label;
+mod merge;
+mod peel;
 mod pieces;
 pub(super) mod quadrisection;
 mod recognition;
+mod region;
 mod stop;
+mod tower;
 
 pub use quadrisection::Quadrisection;
-pub use recognition::{Component, Recognition, recognise, recognise_across_seams};
+pub use recognition::{Component, Recognition, recognise, recognise_across_seams, recognise_uneven};
 pub use stop::Stop;
+pub(super) use tower::Leaves;

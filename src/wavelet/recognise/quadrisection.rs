@@ -23,7 +23,9 @@ use crate::mesh::NONE;
 
 /// A mesh taken apart into base faces and their four-to-one subdivisions: a forest of faces in level order.
 ///
-/// Made by [`recognise`](crate::wavelet::recognise()). Every triangle of the mesh is exactly 1 leaf. For a face with
+/// Made by [`recognise`](crate::wavelet::recognise()). Every triangle of the mesh is exactly 1 leaf. Here and below, triangles are
+/// those of [`Recognition::leaves`](crate::wavelet::Recognition::leaves): the triangles of the mesh, except where a leaf is several
+/// of them. For a face with
 /// corners c0, c1, c2 and midpoints m_k on the sides from c_k to c_k+1, child i is `[c_i, m_i, m_i+2]` for i = 0, 1, 2,
 /// and child 3 is the centre `[m0, m1, m2]`. 5 bytes a face.
 ///
@@ -69,7 +71,7 @@ impl Quadrisection {
         self.split.is_empty()
     }
 
-    /// Number of triangles of the mesh: unsplit faces.
+    /// Number of leaves: unsplit faces.
     pub fn triangles(&self) -> usize {
         self.base_faces() + (self.len() - self.base_faces()) / 4 * 3
     }

@@ -1,15 +1,17 @@
 //! Finds the coarsest mesh from which each component of a mesh is subdivided.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use crate::mesh::{Edges, Mesh, NONE, Topology};
 use crate::wavelet::Quadrisection;
 
 use super::Stop;
-use super::coarsen::{Coarsening, coarsen};
 use super::complex::{Complex, FaceComplex};
 use super::label::Labels;
+use super::peel::{Peeled, peel};
 use super::pieces::Pieces;
+use super::tower::{Leaves, Nodes, Tower};
 
 /// Result of [`recognise`] for a component: a set of triangles joined by edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,10 +20,13 @@ use super::pieces::Pieces;
 pub struct Component {
     /// Number of input triangles.
     pub triangles: u32,
-    /// Number of times each base face is split; 0: the component has no subdivision connectivity.
+    /// Number of times each base face is split, or the most often split one where `uneven`; 0: the component has no subdivision
+    /// connectivity.
     pub levels: u32,
-    /// Number of base faces: `triangles / 4^levels`.
+    /// Number of base faces: `triangles / 4^levels`, unless `uneven`.
     pub base_faces: u32,
+    /// Whether faces are split to different depths, so that some leaves are several triangles.
+    pub uneven: bool,
     /// First base face of the component in the forest; its other base faces follow.
     pub first_base_face: u32,
     /// The lowest input triangle of the component.
@@ -34,8 +39,9 @@ pub struct Component {
 impl fmt::Display for Component {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = |n: u32| if n == 1 { "" } else { "s" };
-        let Self { triangles, levels, base_faces, stop, .. } = *self;
-        write!(f, "{triangles} triangle{}, {levels} level{}", plural(triangles), plural(levels))?;
+        let Self { triangles, levels, base_faces, uneven, stop, .. } = *self;
+        let most = if uneven { "up to " } else { "" };
+        write!(f, "{triangles} triangle{}, {most}{levels} level{}", plural(triangles), plural(levels))?;
         if levels > 0 {
             write!(f, " above {base_faces} base face{}", plural(base_faces))?;
         }
@@ -47,11 +53,32 @@ impl fmt::Display for Component {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Recognition {
-    /// The whole mesh as a forest of faces: every input triangle is exactly 1 leaf.
+    /// The whole mesh as a forest of faces. Every input triangle is exactly 1 leaf, except in [uneven](Component::uneven)
+    /// components, where a leaf may be several triangles: see [`Recognition::leaves`].
     pub quadrisection: Quadrisection,
     /// The components, in order of their lowest triangle.
     pub components: Vec<Component>,
+    /// `None`: the leaves are the input triangles.
+    pub(in crate::wavelet) leaves: Option<Leaves>,
 }
+
+impl Recognition {
+    /// Returns the leaves as triangles of the mesh recognised, in the order of their lowest triangle: the triangles to which
+    /// [`Quadrisection::leaves`] and [`Quadrisection::corners`] refer. Where a leaf is several triangles, they are taken for one,
+    /// and the midpoints on its sides are left out: its neighbours meet it in T-vertices.
+    ///
+    /// `mesh`: the mesh recognised.
+    pub fn leaves<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[u32; 3]]> {
+        let vertex = |corner: u32| mesh.indices().get(corner as usize).copied().unwrap_or(NONE);
+        match &self.leaves {
+            None => Cow::Borrowed(mesh.triangles()),
+            Some(leaves) => leaves.corners.iter().map(|corners| corners.map(vertex)).collect(),
+        }
+    }
+}
+
+/// Fewest triangles of an uneven component: two base faces, of which one is split.
+const LEAST_UNEVEN: usize = 6;
 
 /// Takes a mesh apart into the coarsest base complex of each component and its four-to-one subdivisions.
 ///
@@ -77,16 +104,26 @@ pub struct Recognition {
 /// assert_eq!(recognition.quadrisection.base_faces(), 20);
 /// ```
 pub fn recognise(mesh: &Mesh) -> Recognition {
-    find(mesh, false)
+    find(mesh, false, false)
 }
 
 /// Takes a mesh apart like [`recognise`], but coarsens components across attribute seams if the seams would stop
 /// coarsening. Then several wedges may share a midpoint inside a coarse face.
 pub fn recognise_across_seams(mesh: &Mesh) -> Recognition {
-    find(mesh, true)
+    find(mesh, true, false)
 }
 
-fn find(mesh: &Mesh, across_seams: bool) -> Recognition {
+/// Takes a mesh apart like [`recognise_across_seams`], and finds components of uneven depth too.
+///
+/// In a component without a base of equal depth, faces may be split to different depths, by one level at most at a common edge, and
+/// be cut beside deeper faces as [`WaveletMesh::finest`](crate::wavelet::WaveletMesh::finest) cuts them. This is found if vertices of
+/// every level come after those of coarser levels and a quarter of the triangles, at least, are in split or cut faces
+/// ([`Component::uneven`]). On a regular lattice some splits may be missed: then base faces are more than they could be.
+pub fn recognise_uneven(mesh: &Mesh) -> Recognition {
+    find(mesh, true, true)
+}
+
+fn find(mesh: &Mesh, across_seams: bool, may_be_uneven: bool) -> Recognition {
     let topology = Topology::new(mesh);
     let triangles = mesh.triangles().len();
     let corner_points: Vec<[u32; 3]> =
@@ -107,33 +144,55 @@ fn find(mesh: &Mesh, across_seams: bool) -> Recognition {
     let mut roots: Vec<u32> = Vec::new();
     for piece in pieces.iter() {
         let first_base_face = roots.len() as u32;
-        let (levels, stop) = match hopeless(piece, &sides) {
+        let start = tower.height();
+        let mut found = match hopeless(piece, &sides) {
             Some(stop) => (0, stop),
             None => {
-                let coarse = tower.children.len();
-                let found = tower.raise(cutter.cut(piece), &surface, &mut labels, &mut roots);
+                let found =
+                    tower.raise(cutter.cut(piece), Nodes::Triangles, &surface, &mut labels, &mut roots);
                 if across_seams && matches!(found.1, Stop::Seam { .. }) {
-                    tower.children.truncate(coarse);
+                    tower.truncate(start);
                     roots.truncate(first_base_face as usize);
-                    tower.raise(cutter.cut(piece), &across, &mut labels, &mut roots)
+                    tower.raise(cutter.cut(piece), Nodes::Triangles, &across, &mut labels, &mut roots)
                 } else {
                     found
                 }
             }
         };
+        let mut uneven = false;
+        if may_be_uneven && found.0 == 0 && piece.len() >= LEAST_UNEVEN {
+            let mut surfaces = [Some(&surface), across_seams.then_some(&across)].into_iter().flatten();
+            let peeled = surfaces.find_map(|surface| {
+                tower.truncate(start);
+                Some((peel(cutter.cut(piece), surface, &mut tower)?, surface))
+            });
+            if let Some((Peeled { complex, nodes }, surface)) = peeled {
+                roots.truncate(first_base_face as usize);
+                let nodes = Nodes::Listed(nodes);
+                let (_, stop) = tower.raise(complex, nodes, surface, &mut labels, &mut roots);
+                found = (tower.levels_above(start), stop);
+                uneven = true;
+            } else {
+                tower.truncate(start);
+            }
+        }
+        let (levels, stop) = found;
         if levels == 0 {
+            roots.truncate(first_base_face as usize);
             roots.extend(piece.iter().map(|&triangle| 3 * triangle));
         }
         components.push(Component {
             triangles: piece.len() as u32,
             levels,
             base_faces: roots.len() as u32 - first_base_face,
+            uneven,
             first_base_face,
             first_triangle: piece[0],
             stop,
         });
     }
-    Recognition { quadrisection: tower.forest(roots), components }
+    let (quadrisection, leaves) = tower.forest(roots);
+    Recognition { quadrisection, components, leaves }
 }
 
 /// Returns why a component cannot be coarsened, where this shows without labelling.
@@ -178,120 +237,4 @@ impl Cutter<'_> {
         }
         Complex::new(piece.to_vec(), corners, edges, count as usize)
     }
-}
-
-/// All coarse faces so far. A *node* is an input triangle `t`, or `triangles + c` for coarse face `c`; below `4/3 *
-/// 2^30`, so three times a node fits 32 bits.
-struct Tower {
-    triangles: u32,
-    /// Per coarse face, its children as `3 * node + turn`.
-    children: Vec<[u32; 4]>,
-}
-
-impl Tower {
-    fn new(triangles: u32) -> Self {
-        Self { triangles, children: Vec::new() }
-    }
-
-    /// Returns the node of the next coarse face.
-    fn next_node(&self) -> u32 {
-        self.triangles + self.children.len() as u32
-    }
-
-    /// Coarsens a component as often as possible, and adds its base faces to the roots if there is at least 1 level.
-    /// Returns the number of levels and why there are no more.
-    fn raise(
-        &mut self,
-        complex: Complex,
-        surface: &FaceComplex,
-        labels: &mut Labels,
-        roots: &mut Vec<u32>,
-    ) -> (u32, Stop) {
-        let mut top = Level { first_node: NONE, complex };
-        // The level below the top, and the assumption taken from it to the top.
-        let mut below: Option<(Level, u8)> = None;
-        let mut levels = 0;
-        loop {
-            match coarsen(&top.complex, surface, labels, 0) {
-                Ok(Coarsening { coarse, children, assumption }) => {
-                    let coarser = self.add(&top, coarse, &children);
-                    below = Some((std::mem::replace(&mut top, coarser), assumption));
-                    levels += 1;
-                }
-                Err(stop) => {
-                    let Some((below, taken)) = &mut below else { return (0, stop) };
-                    let Some(other) = other_way(&below.complex, surface, labels, *taken) else {
-                        roots.extend((0..top.complex.face_count()).map(|face| top.root(face)));
-                        return (levels, stop);
-                    };
-                    self.children.truncate((top.first_node - self.triangles) as usize);
-                    top = self.add(below, other.coarse, &other.children);
-                    *taken = other.assumption;
-                }
-            }
-        }
-    }
-
-    fn add(&mut self, finer: &Level, coarse: Complex, children: &[[u32; 4]]) -> Level {
-        let first_node = self.next_node();
-        let as_node = |child: u32| 3 * finer.node(child / 3) + child % 3;
-        self.children.extend(children.iter().map(|four| four.map(as_node)));
-        Level { first_node, complex: coarse }
-    }
-
-    /// Grows the forest level by level from roots given as `3 * node + turn`.
-    fn forest(self, roots: Vec<u32>) -> Quadrisection {
-        let base_faces = roots.len() as u32;
-        let faces = self.triangles as usize + self.children.len();
-        let mut queue = roots;
-        queue.reserve_exact(faces - queue.len());
-        let mut split = Vec::with_capacity(faces);
-        while let Some(&face) = queue.get(split.len()) {
-            let (node, turn) = (face / 3, face % 3);
-            let is_split = node >= self.triangles;
-            if is_split {
-                let four = self.children[(node - self.triangles) as usize];
-                queue.extend((0..3).map(|i| four[(i + turn as usize) % 3]));
-                // The centre turns with its parent: its corner k is the midpoint of side k.
-                queue.push(four[3] - four[3] % 3 + (four[3] + turn) % 3);
-            }
-            split.push(is_split);
-        }
-        // A triangle is its own node, so `queue` already holds leaves as `3 * triangle + turn`.
-        let mut leaves = queue;
-        leaves.iter_mut().zip(&split).filter(|(_, split)| **split).for_each(|(leaf, _)| *leaf = NONE);
-        Quadrisection::new(base_faces, split, leaves)
-    }
-}
-
-/// A complex whose faces are nodes.
-struct Level {
-    /// The node of face 0; [`NONE`] where faces are input triangles.
-    first_node: u32,
-    complex: Complex,
-}
-
-impl Level {
-    fn node(&self, face: u32) -> u32 {
-        if self.first_node == NONE { self.complex.lowest[face as usize] } else { self.first_node + face }
-    }
-
-    /// Returns a base face as `3 * node + turn`, turned so its lowest wedge comes first.
-    fn root(&self, face: usize) -> u32 {
-        let [a, b, c] = self.complex.corners[face];
-        let turn = if a < b && a < c { 0 } else { 1 + u32::from(c < b) };
-        3 * self.node(face as u32) + turn
-    }
-}
-
-/// Returns the first coarsening after the assumption `taken` which can itself be coarsened.
-fn other_way(below: &Complex, surface: &FaceComplex, labels: &mut Labels, taken: u8) -> Option<Coarsening> {
-    let mut from = taken + 1;
-    while let Ok(other) = coarsen(below, surface, labels, from) {
-        if coarsen(&other.coarse, surface, labels, 0).is_ok() {
-            return Some(other);
-        }
-        from = other.assumption + 1;
-    }
-    None
 }

@@ -102,12 +102,16 @@ impl Failure {
 /// The file cannot be read, is no PNG, or is larger than cards take.
 pub fn read_png(path: &FilePath) -> Result<([u32; 2], Vec<[u8; 4]>), Failure> {
     let wrong = |reason: String| Failure::Picture { path: path.to_owned(), reason };
-    let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
+    decode_png(std::fs::read(path).map_err(|error| wrong(error.to_string()))?).map_err(wrong)
+}
+
+/// The pixels of a PNG in memory.
+pub(crate) fn decode_png(bytes: Vec<u8>) -> Result<([u32; 2], Vec<[u8; 4]>), String> {
     let mut reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Png);
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(8192), Some(8192));
     reader.limits(limits);
-    let picture = reader.decode().map_err(|error| wrong(error.to_string()))?.into_rgba8();
+    let picture = reader.decode().map_err(|error| error.to_string())?.into_rgba8();
     let size = [picture.width(), picture.height()];
     Ok((size, bytemuck::pod_collect_to_vec(picture.as_raw())))
 }
@@ -166,6 +170,10 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
     let model = Arc::new(model?);
     let triangles = model.triangle_count();
     say(&format!("model   {}: {}, {triangles} triangles", source.name(), model.kind()));
+
+    for warning in model.warnings() {
+        say(&format!("warning {warning}"));
+    }
 
     let samples = 4;
     let mut stage =

@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use multires::mesh::Mesh;
 
 use super::Builtin;
-use super::model::{BuildOptions, Model, ModelError, StructureKind};
+use super::model::{BuildOptions, Coordinates, Model, ModelError, StructureKind};
+use super::pictures;
 use crate::camera::Orbit;
 
 /// Where a model comes from.
@@ -77,7 +78,16 @@ impl Source {
                     Self::Builtin(builtin, _) => builtin.coarsest(),
                     Self::File(_) => None,
                 };
-                Model::build(&mesh, &options.clone().with_coarsest(options.coarsest.or(coarsest)), progress)
+                let picture = match self {
+                    Self::File(path) => pictures::base_colour(path),
+                    Self::Builtin(..) => Ok(None),
+                };
+                let mut options = options.clone().with_coarsest(options.coarsest.or(coarsest));
+                if matches!(picture, Ok(Some(_))) {
+                    // The picture is one for the coordinates that the mesh has.
+                    options = options.with_coordinates(Coordinates::Own);
+                }
+                Ok(Model::build(&mesh, &options, progress)?.with_base_colour(picture))
             }
         }
     }

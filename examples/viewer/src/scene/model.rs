@@ -188,6 +188,7 @@ pub struct Model {
     materials: Vec<u32>,
     has_uv: bool,
     texture: Option<Texture>,
+    warnings: Vec<String>,
 }
 
 /// Told how far a build is, 0 to 1; says whether to go on.
@@ -282,8 +283,27 @@ impl Model {
             has_uv: vertices.iter().any(|v| v.uv != [0.0; 2]),
             values: Values::from(vertices).with_blending(),
             texture,
+            warnings: Vec::new(),
             baked,
         })
+    }
+
+    /// With a picture of base colours for its texture coordinates, or a warning why there is none.
+    pub(super) fn with_base_colour(mut self, picture: Result<Option<Texture>, String>) -> Self {
+        match picture {
+            Ok(Some(_)) if !self.has_uv => {
+                self.warnings.push("the base colours need texture coordinates".to_owned());
+            }
+            Ok(Some(picture)) => self.texture = Some(picture),
+            Ok(None) => {}
+            Err(reason) => self.warnings.push(format!("no base colours: {reason}")),
+        }
+        self
+    }
+
+    /// What is not drawn as the file asks for.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Its vertices, in the structure's order.
@@ -291,8 +311,8 @@ impl Model {
         &self.values
     }
 
-    /// What surfaces are painted with unless somebody says otherwise: the size of a picture, and its pixels row by row. A wavelet
-    /// mesh's by its base, else a checker.
+    /// What surfaces are painted with unless somebody says otherwise: the size of a picture, and its pixels row by row. A glTF
+    /// file's base colours, a wavelet mesh's by its base, else a checker.
     pub fn picture(&self) -> ([u32; 2], Cow<'_, [[u8; 4]]>) {
         match &self.texture {
             Some(Texture { size, pixels }) => (*size, Cow::Borrowed(pixels)),
@@ -303,7 +323,7 @@ impl Model {
         }
     }
 
-    /// The texture by its base, where it has one.
+    /// The base colours of its file, or the texture by its base, where it has one.
     pub fn texture(&self) -> Option<&Texture> {
         self.texture.as_ref()
     }

@@ -340,6 +340,7 @@ impl Viewer {
                     self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
                 }
                 self.full = None;
+                let warning = model.warnings().first().cloned();
                 let scene = Scene::new(
                     &self.gpu.device,
                     &mut self.uploads,
@@ -347,7 +348,7 @@ impl Viewer {
                     &places,
                     self.controls.options,
                 );
-                self.message = scene.as_ref().err().map(ToString::to_string);
+                self.message = scene.as_ref().err().map(ToString::to_string).or(warning);
                 self.scene = scene.ok();
                 self.freeze(false);
                 if !same {

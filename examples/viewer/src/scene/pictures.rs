@@ -1,0 +1,91 @@
+//! The base colours of a glTF file: the picture that its materials name, inside the file or beside it.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::texture::Texture;
+use crate::headless::decode_png;
+
+/// Magic number of a .glb, and the kinds of its chunks.
+const GLB: &[u8] = b"glTF";
+const JSON: u32 = 0x4E4F_534A;
+const BINARY: u32 = 0x004E_4942;
+
+/// Returns the picture of base colours of the first material with one; `None` for other files, and without such a material. PNG
+/// only.
+///
+/// # Errors
+/// Why the picture named by the file cannot be had.
+pub(super) fn base_colour(path: &Path) -> Result<Option<Texture>, String> {
+    let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+    if !is("gltf") && !is("glb") {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let (document, binary) = parts(&bytes).ok_or("the document is damaged")?;
+    let document: Value = serde_json::from_slice(document).map_err(|error| error.to_string())?;
+    let materials = document["materials"].as_array().map_or(&[][..], Vec::as_slice);
+    let named = |material: &Value| material["pbrMetallicRoughness"]["baseColorTexture"]["index"].as_u64();
+    let Some(texture) = materials.iter().find_map(named) else { return Ok(None) };
+    let source = document["textures"][texture as usize]["source"].as_u64();
+    let image = &document["images"][source.ok_or("the texture has no picture")? as usize];
+    let picture = match image["uri"].as_str() {
+        Some(uri) if uri.starts_with("data:") => return Err("pictures in data URIs are not read".to_owned()),
+        Some(uri) => {
+            let beside = path.with_file_name(String::from_utf8_lossy(&decoded(uri)).as_ref());
+            std::fs::read(&beside).map_err(|error| format!("{}: {error}", beside.display()))?
+        }
+        None => embedded(&document, image, binary).ok_or("the picture is not in the file")?.to_vec(),
+    };
+    let (size, pixels) = decode_png(picture)?;
+    Ok(Some(Texture { size, pixels }))
+}
+
+/// Returns the document and the binary chunk of a file.
+fn parts(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    if !bytes.starts_with(GLB) {
+        return Some((bytes, &[]));
+    }
+    let (mut document, mut binary) = (None, None);
+    let mut rest = bytes.get(12..)?;
+    while let Some((head, body)) = rest.split_first_chunk::<8>() {
+        let [length, kind] = [&head[..4], &head[4..]].map(|word| word.try_into().map(u32::from_le_bytes));
+        let (chunk, next) = body.split_at_checked(length.ok()? as usize)?;
+        match kind.ok()? {
+            JSON => document = document.or(Some(chunk)),
+            BINARY => binary = binary.or(Some(chunk)),
+            _ => {}
+        }
+        rest = next;
+    }
+    Some((document?, binary.unwrap_or(&[])))
+}
+
+/// Returns the bytes of a picture in the binary chunk.
+fn embedded<'a>(document: &Value, image: &Value, binary: &'a [u8]) -> Option<&'a [u8]> {
+    let view = &document["bufferViews"][image["bufferView"].as_u64()? as usize];
+    let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+    binary.get(start..start.checked_add(view["byteLength"].as_u64()? as usize)?)
+}
+
+/// Returns a URI with `%xx` as bytes.
+fn decoded(uri: &str) -> Vec<u8> {
+    let bytes = uri.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let escaped = uri.get(at + 1..at + 3).filter(|_| bytes[at] == b'%');
+        match escaped.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            Some(byte) => {
+                out.push(byte);
+                at += 3;
+            }
+            None => {
+                out.push(bytes[at]);
+                at += 1;
+            }
+        }
+    }
+    out
+}
