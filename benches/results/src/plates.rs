@@ -152,6 +152,51 @@ impl Plates<'_> {
         Ok(sheet(&rows, &[]))
     }
 
+    /// How different the adapted mesh looks from another mesh that it stands for, lit, by errors inside and on the silhouette in pixels;
+    /// with the triangles drawn.
+    pub fn against(
+        &self,
+        original: &Mesh,
+        pose: &Pose,
+        pixels: &[[f32; 2]],
+    ) -> Result<Vec<(f64, usize)>, Box<dyn Error>> {
+        let shown = render(original, &camera(pose), &options(COMPARED))?;
+        let one = |&pixels: &[f32; 2]| {
+            let lod = self.adapted(pose, COMPARED, pixels)?;
+            // Normals as they are, since those of the original are not filtered either.
+            let (surface, _) = self.painted.on(self.mesh, |wavelet| lod.shows(wavelet), 0.0)?;
+            let lit = render(&surface, &camera(pose), &options(COMPARED))?;
+            let drawn = (0..lod.groups()).map(|group| lod.triangles(group).len()).sum();
+            Ok((mean_difference(shown.pixels(), lit.pixels(), |shown| shown != [false; 2]), drawn))
+        };
+        pixels.iter().map(one).collect()
+    }
+
+    /// Another mesh, and the adapted mesh at two tolerances, with edges and textured (Fig. 13).
+    pub fn tolerances(
+        &self,
+        original: &Mesh,
+        pose: &Pose,
+        pixels: [f32; 2],
+    ) -> Result<Canvas, Box<dyn Error>> {
+        let mut rows = [Vec::new(), Vec::new()];
+        let mut add = |name: String, mesh: Mesh, textured| -> Result<(), Box<dyn Error>> {
+            let caption = format!("{name}, {} triangles", grouped(mesh.triangles().len()));
+            let shot = Shot { mesh, pose: *pose };
+            rows[0].push(Cell { pixels: outside::view(&shot, 1.0)?, caption });
+            rows[1].push(Cell { pixels: textured, caption: format!("{name}, textured") });
+            Ok(())
+        };
+        // The original has no texture: beside it stands the full remesh's.
+        add("original".to_owned(), original.clone(), self.textured(|_| true, pose, SIZE)?)?;
+        for pixels in pixels {
+            let lod = self.adapted(pose, SIZE, [pixels; 2])?;
+            let textured = self.textured(|wavelet| lod.shows(wavelet), pose, SIZE)?;
+            add(format!("{pixels} px"), lod.to_mesh(), textured)?;
+        }
+        Ok(sheet(&rows, &[]))
+    }
+
     /// How different the adapted mesh looks from the full one, where errors may look that large inside and on silhouettes.
     pub fn differences(&self, pose: &Pose, pixels: &[[f32; 2]]) -> Result<Vec<Difference>, Box<dyn Error>> {
         let [lit, textured] = self.lit_and_textured(|_| true, pose, COMPARED)?;

@@ -4,6 +4,7 @@
 //! cargo run --release -p multires-results --bin remeshing [-- --out DIR]              pictures of models made by the crate
 //! cargo run --release -p multires-results --bin remeshing -- MODEL[:LEVELS]...        a row of the table a model
 //! cargo run --release -p multires-results --bin remeshing -- --against ORIGINAL REMESH...   beside remeshes by others
+//! cargo run --release -p multires-results --bin remeshing -- --flown MODEL[:LEVELS] [DIR]   flown past, beside the original
 //! ```
 //!
 //! Bases of 500 faces, 4 levels unless given. Pictures go to `target/remeshing/` (or DIR). Everything runs on one thread;
@@ -16,16 +17,20 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use glam::DVec3;
 use multires::io;
-use multires::mesh::{Mesh, shapes};
+use multires::mesh::{Creases, Mesh, names, shapes};
 use multires::quality::{Distance, DistanceOptions, Surface};
 use multires::remesh::{Depth, Distortion, Remesher};
 use multires::wavelet::{Normals, WaveletOptions, recognise_across_seams};
+use multires_results::flight::{self, Pose};
+use multires_results::painted::{self, Painted};
 use multires_results::parameter_lines::checkered;
 use multires_results::picture::{Shown, sheet};
+use multires_results::plates::Plates;
 use multires_results::say::{self, grouped};
 
-const USAGE: &str = "usage: remeshing [--out DIR] | MODEL[:LEVELS]... | --against ORIGINAL REMESH...";
+const USAGE: &str = "usage: remeshing [--out DIR] | MODEL[:LEVELS]... | --against ORIGINAL REMESH... | --flown MODEL[:LEVELS] [DIR]";
 const FACES: usize = 500;
 const LEVELS: usize = 4;
 /// Pixels that a mesh is rendered in.
@@ -48,6 +53,10 @@ fn main() -> ExitCode {
                 alone(&mut || against(original, others, &mut rows))?;
                 Ok(says.write_all(&rows)?)
             })
+        }
+        [flag, model, folder @ ..] if flag == "--flown" && folder.len() < 2 => {
+            let folder = folder.first().map_or("target/remeshing", |folder| folder);
+            say::to_stdout(|says| flown(model, Path::new(folder), says))
         }
         [first, ..] if first.starts_with('-') => {
             eprintln!("{USAGE}");
@@ -112,12 +121,17 @@ fn distance(a: &Mesh, b: &Mesh) -> Result<Distance, Box<dyn Error>> {
     Ok(Surface::new(a)?.distance(&Surface::new(b)?, &DistanceOptions::default())?)
 }
 
-/// A row of the table, with the reason where there are no figures.
-fn row_of(model: &str) -> String {
-    let (path, levels) = match model.rsplit_once(':').map(|(path, levels)| (path, levels.parse())) {
+/// Takes the levels off the end of a path.
+fn path_and_levels(model: &str) -> (&str, usize) {
+    match model.rsplit_once(':').map(|(path, levels)| (path, levels.parse())) {
         Some((path, Ok(levels))) => (path, levels),
         _ => (model, LEVELS),
-    };
+    }
+}
+
+/// A row of the table, with the reason where there are no figures.
+fn row_of(model: &str) -> String {
+    let (path, levels) = path_and_levels(model);
     let name = Path::new(path).file_stem().map_or(path.into(), |name| name.to_string_lossy());
     let figures = || -> Result<String, Box<dyn Error>> {
         let mesh = io::read(path)?;
@@ -175,6 +189,52 @@ fn against(original: &str, others: &[String], rows: &mut Vec<u8>) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Tolerances of a flight, pixels: everywhere, and on the silhouette.
+const TOLERANCES: [[f32; 2]; 5] = [[0.05, 0.05], [1.0, 1.0], [1.0, 0.25], [2.0, 2.0], [10.0, 10.0]];
+/// A flight is compared in every so many frames.
+const COMPARED_EVERY: usize = 60;
+/// The frame of Fig. 13.
+const PICTURED: usize = 240;
+
+/// Flies past a remesh, beside the original: how different it looks, and what is drawn.
+fn flown(model: &str, out: &Path, says: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let (path, levels) = path_and_levels(model);
+    let mesh = io::read(path)?;
+    // Lit by smooth normals, which the remesh has from the mesh.
+    let smooth = |mesh: Mesh| mesh.with_crease_normals(&Creases::with_angle(&mesh, 180.0));
+    let mesh = if mesh.attribute(names::NORMAL).is_some() { mesh } else { smooth(mesh) };
+    let map = Remesher::new().base_faces(FACES).run(&mesh)?;
+    let baked = map.bake(&mesh, Depth::Levels(levels), &WaveletOptions::default())?;
+    drop(map);
+    let wavelets = baked.structure();
+    let painted = Painted::new(wavelets, painted::marble)?;
+    let plates = Plates { mesh: wavelets, painted: &painted, pixels: TOLERANCES[0] };
+    let poses: Vec<Pose> = flight::approach(DVec3::Y).iter().map(|pose| pose.about(&mesh)).collect();
+    let mut frames = Vec::new();
+    for pose in poses.iter().step_by(COMPARED_EVERY) {
+        frames.push(plates.against(&mesh, pose, &TOLERANCES)?);
+    }
+    writeln!(
+        says,
+        "| px inside, silhouette | K_L1, mean | worst | triangles, mean | least | most |\n|---|--:|--:|--:|--:|--:|"
+    )?;
+    for (i, [inside, silhouette]) in TOLERANCES.iter().enumerate() {
+        let differences: Vec<f64> = frames.iter().map(|frame| frame[i].0).collect();
+        let drawn: Vec<usize> = frames.iter().map(|frame| frame[i].1).collect();
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let worst = differences.iter().copied().fold(0.0, f64::max);
+        let [least, most] = [drawn.iter().min(), drawn.iter().max()].map(|n| n.copied().unwrap_or(0));
+        let average = drawn.iter().sum::<usize>() / drawn.len().max(1);
+        let [average, least, most] = [average, least, most].map(grouped);
+        writeln!(says, "| {inside}, {silhouette} | {mean:.2} | {worst:.2} | {average} | {least} | {most} |")?;
+    }
+    std::fs::create_dir_all(out)?;
+    let name = Path::new(path).file_stem().map_or("model".into(), |name| name.to_string_lossy());
+    let picture = out.join(format!("{name}-flown.png"));
+    std::fs::write(&picture, plates.tolerances(&mesh, &poses[PICTURED], [2.0, 10.0])?.png(6)?)?;
+    Ok(writeln!(says, "{}", picture.display())?)
 }
 
 /// The original, its base, the lines of the parameters, and levels.
