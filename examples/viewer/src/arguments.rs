@@ -79,9 +79,9 @@ pub struct Arguments {
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub geomorph: Option<f32>,
 
-    /// What colours the surface.
-    #[arg(long, value_name = "S", value_enum, default_value_t)]
-    pub shading: Shading,
+    /// What colours the surface [default: texture for glTF files that name pictures, else material].
+    #[arg(long, value_name = "S", value_enum)]
+    pub shading: Option<Shading>,
     /// Draw the edges of triangles.
     #[arg(long)]
     pub wire: bool,
@@ -303,7 +303,7 @@ impl Arguments {
 
     /// What lies over the surfaces.
     pub fn overlays(&self) -> Overlays {
-        Overlays { wire: self.wire, written: self.shading == Shading::Dirty }
+        Overlays { wire: self.wire, written: self.shading == Some(Shading::Dirty) }
     }
 
     /// What is up.

@@ -23,7 +23,7 @@ use multires::view::ViewError;
 use crate::arguments::Arguments;
 use crate::camera::{Lens, Path, PathError, Pose};
 use crate::gpu::{self, Gpu, GpuError};
-use crate::renderer::{Look, RenderError};
+use crate::renderer::{Look, RenderError, Shading};
 use crate::scene::{ModelError, Scene, SceneControlError};
 
 /// Seconds from frame to frame.
@@ -175,6 +175,8 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
         say(&format!("warning {warning}"));
     }
 
+    let painted = if model.is_painted() { Shading::Texture } else { Shading::Material };
+    let shading = arguments.shading.unwrap_or(painted);
     let samples = 4;
     let mut stage =
         Stage::new(gpu.clone(), model, &source.places(), arguments.options(), arguments.size, samples)
@@ -197,7 +199,7 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
     let (tolerances, overlays) = (arguments.tolerances(), arguments.overlays());
     let look = |scene: &Scene, pose: &Pose| Look {
         tolerance: tolerances.anywhere,
-        shading: arguments.shading,
+        shading,
         flat: arguments.flat,
         ..pose.look(&lens, scene.diagonal())
     };

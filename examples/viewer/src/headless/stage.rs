@@ -59,7 +59,8 @@ impl Stage {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, samples);
         let mut uploads = Uploads::default();
         let (side, picture) = model.picture();
-        let paint = renderer.paint(&gpu.device, &gpu.queue, side, &picture);
+        let normals = model.normal_map().map(|map| (map.size, &map.pixels[..]));
+        let paint = renderer.paint(&gpu.device, &gpu.queue, (side, &picture), normals);
         drop(picture);
         Ok(Self {
             eye: renderer.eye(&gpu.device),
@@ -74,7 +75,7 @@ impl Stage {
 
     /// Paints surfaces with a picture instead of the model's.
     pub fn set_paint(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
-        self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, pixels);
+        self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, (size, pixels), None);
     }
 
     /// What is drawn.

@@ -180,7 +180,7 @@ impl Renderer {
                 [r, g, b, 255]
             })
             .collect();
-        let scale = picture::texture(device, queue, [256, 1], &[colours]);
+        let scale = picture::texture(device, queue, picture::COLOURS, [256, 1], &[colours]);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
@@ -220,15 +220,15 @@ impl Renderer {
         Eye { buffer, group }
     }
 
-    /// A texture that surfaces can be painted with.
+    /// A texture that surfaces can be painted with, and a map of normals in tangent space for them.
     pub fn paint(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        size: [u32; 2],
-        pixels: &[[u8; 4]],
+        colours: ([u32; 2], &[[u8; 4]]),
+        normals: Option<([u32; 2], &[[u8; 4]])>,
     ) -> Paint {
-        Paint::new(device, queue, &self.pipelines.picture_layout, size, pixels)
+        Paint::new(device, queue, &self.pipelines.picture_layout, colours, normals)
     }
 
     /// Starts a pass: the camera, the texture, the backdrop.

@@ -9,15 +9,22 @@ pub struct Paint {
 const SQUARES: u32 = 16;
 const CHECKER: u32 = 512;
 
+/// Formats of pictures: sRGB, and numbers.
+pub(super) const COLOURS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+const NORMALS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
 impl Paint {
     pub(super) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         layout: &wgpu::BindGroupLayout,
-        size: [u32; 2],
-        pixels: &[[u8; 4]],
+        (size, pixels): ([u32; 2], &[[u8; 4]]),
+        normals: Option<([u32; 2], &[[u8; 4]])>,
     ) -> Self {
-        let view = texture(device, queue, size, &levels(size, pixels));
+        let view = texture(device, queue, COLOURS, size, &levels(size, pixels));
+        // A single texel is no map: shaders leave normals as they are.
+        let (size, pixels) = normals.unwrap_or(([1; 2], &[[128, 128, 255, 255]]));
+        let normals = texture(device, queue, NORMALS, size, &levels(size, pixels));
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             address_mode_u: wgpu::AddressMode::Repeat,
             address_mode_v: wgpu::AddressMode::Repeat,
@@ -30,6 +37,7 @@ impl Paint {
         let entries = [
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&normals) },
         ];
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("paint"),
@@ -77,10 +85,11 @@ fn levels(size: [u32; 2], pixels: &[[u8; 4]]) -> Vec<Vec<[u8; 4]>> {
     levels
 }
 
-/// A texture of sRGB bytes from its levels, the largest first; each half as wide and high as the one before.
+/// A texture from its levels, the largest first; each half as wide and high as the one before.
 pub(super) fn texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
+    format: wgpu::TextureFormat,
     size: [u32; 2],
     levels: &[Vec<[u8; 4]>],
 ) -> wgpu::TextureView {
@@ -95,7 +104,7 @@ pub(super) fn texture(
         mip_level_count: levels.len() as u32,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });

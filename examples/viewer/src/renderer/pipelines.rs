@@ -63,7 +63,7 @@ impl Pipelines {
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
         let frame_layout = layout(device, &[UNIFORM, SAMPLER, FILTERED]);
-        let picture_layout = layout(device, &[FILTERED, SAMPLER]);
+        let picture_layout = layout(device, &[FILTERED, SAMPLER, FILTERED]);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,
             bind_group_layouts: &[Some(&frame_layout), Some(&picture_layout)],

@@ -27,6 +27,8 @@ const TEXTURE = 4u;
 @group(0) @binding(2) var scale: texture_2d<f32>;
 @group(1) @binding(0) var picture: texture_2d<f32>;
 @group(1) @binding(1) var picture_sampler: sampler;
+// In tangent space; a single texel: none.
+@group(1) @binding(2) var normal_map: texture_2d<f32>;
 
 struct Corner {
     @location(0) position: vec3<f32>,
@@ -133,6 +135,26 @@ fn on_scale(t: f32) -> vec3<f32> {
     return textureSampleLevel(scale, smooth_sampler, vec2(across, 0.5), 0.0).rgb;
 }
 
+// The normal of the map about a normal, by how places and texture coordinates change over the picture: u runs along the tangent, v
+// against the bitangent, as in glTF.
+fn bumped(
+    normal: vec3<f32>,
+    texel: vec3<f32>,
+    place_x: vec3<f32>,
+    place_y: vec3<f32>,
+    uv_x: vec2<f32>,
+    uv_y: vec2<f32>,
+) -> vec3<f32> {
+    let turn = sign(uv_x.x * uv_y.y - uv_x.y * uv_y.x);
+    let along_u = turn * (place_x * uv_y.y - place_y * uv_x.y);
+    let along_v = turn * (place_y * uv_x.x - place_x * uv_y.x);
+    let tangent = unit_or(along_u - normal * dot(along_u, normal), vec3(0.0));
+    let down = along_v - normal * dot(along_v, normal);
+    let bitangent = unit_or(tangent * dot(down, tangent) - down, vec3(0.0));
+    let n = 2.0 * texel - 1.0;
+    return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
+}
+
 // What back faces look like, so that flipped triangles and open insides are seen.
 const BACK = vec3(0.434154, 0.187821, 0.138432);
 
@@ -142,6 +164,11 @@ fn surface(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec
     // Derivatives and samples before anything depends on the pixel.
     var flat = unit_or(cross(dpdx(point.offset), dpdy(point.offset)), -ray);
     let painted = textureSample(picture, picture_sampler, point.uv).rgb;
+    let texel = textureSample(normal_map, picture_sampler, point.uv).xyz;
+    let place_x = dpdx(point.offset);
+    let place_y = dpdy(point.offset);
+    let uv_x = dpdx(point.uv);
+    let uv_y = dpdy(point.uv);
     if dot(flat, ray) > 0.0 {
         flat = -flat;
     }
@@ -153,6 +180,10 @@ fn surface(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec
         }
         if dot(normal, normal) == 0.0 {
             normal = flat;
+        }
+        let shows_map = frame.mode.x == TEXTURE || frame.mode.x == NORMAL;
+        if shows_map && textureDimensions(normal_map).x > 1u {
+            normal = bumped(normal, texel, place_x, place_y, uv_x, uv_y);
         }
         // Where the triangle is seen and its smooth normal points away: the nearest that does not.
         let away = dot(normal, ray);

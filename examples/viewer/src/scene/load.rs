@@ -11,7 +11,7 @@ use multires::mesh::Mesh;
 
 use super::Builtin;
 use super::model::{BuildOptions, Coordinates, Model, ModelError, StructureKind};
-use super::pictures;
+use super::pictures::Pictures;
 use crate::camera::Orbit;
 
 /// Where a model comes from.
@@ -78,16 +78,16 @@ impl Source {
                     Self::Builtin(builtin, _) => builtin.coarsest(),
                     Self::File(_) => None,
                 };
-                let picture = match self {
-                    Self::File(path) => pictures::base_colour(path),
-                    Self::Builtin(..) => Ok(None),
+                let pictures = match self {
+                    Self::File(path) => Pictures::read(path),
+                    Self::Builtin(..) => Pictures::default(),
                 };
                 let mut options = options.clone().with_coarsest(options.coarsest.or(coarsest));
-                if matches!(picture, Ok(Some(_))) {
-                    // The picture is one for the coordinates that the mesh has.
+                if pictures.base_colour.is_some() || pictures.normals.is_some() {
+                    // The pictures are for the coordinates that the mesh has.
                     options = options.with_coordinates(Coordinates::Own);
                 }
-                Ok(Model::build(&mesh, &options, progress)?.with_base_colour(picture))
+                Ok(Model::build(&mesh, &options, progress)?.with_pictures(pictures))
             }
         }
     }

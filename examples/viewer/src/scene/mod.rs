@@ -5,7 +5,7 @@
 //! | `mod.rs` | [`Scene`]: objects that adapt, upload and draw together |
 //! | `model.rs` | [`Model`]: a structure and its vertices |
 //! | `texture.rs` | [`Texture`]: a wavelet mesh's own, by its base |
-//! | `pictures.rs` | base colours of glTF files |
+//! | `pictures.rs` | base colours and normal maps of glTF files |
 //! | `control.rs` | [`ControlOptions`]: triangles or time held over all objects |
 //! | `instance.rs` | an instance, as a g-mesh where it is one |
 //! | `builtin.rs` | [`Builtin`]: scenes that need no file |

@@ -14,6 +14,7 @@ use multires::simplify::{Placement, Simplifier, Target, metric};
 use multires::tom::TomBuilder;
 use multires::wavelet::{WaveletError, WaveletMesh, WaveletOptions};
 
+use super::pictures::Pictures;
 use super::texture::{self, Texture};
 use crate::renderer::{Paint, Vertex};
 
@@ -188,6 +189,10 @@ pub struct Model {
     materials: Vec<u32>,
     has_uv: bool,
     texture: Option<Texture>,
+    /// Normals in tangent space, for the model's own coordinates.
+    normal_map: Option<Texture>,
+    /// Whether the file names pictures.
+    is_painted: bool,
     warnings: Vec<String>,
 }
 
@@ -283,22 +288,37 @@ impl Model {
             has_uv: vertices.iter().any(|v| v.uv != [0.0; 2]),
             values: Values::from(vertices).with_blending(),
             texture,
+            normal_map: None,
+            is_painted: false,
             warnings: Vec::new(),
             baked,
         })
     }
 
-    /// With a picture of base colours for its texture coordinates, or a warning why there is none.
-    pub(super) fn with_base_colour(mut self, picture: Result<Option<Texture>, String>) -> Self {
-        match picture {
-            Ok(Some(_)) if !self.has_uv => {
-                self.warnings.push("the base colours need texture coordinates".to_owned());
-            }
-            Ok(Some(picture)) => self.texture = Some(picture),
-            Ok(None) => {}
-            Err(reason) => self.warnings.push(format!("no base colours: {reason}")),
+    /// With pictures for its texture coordinates, or warnings why there are none.
+    pub(super) fn with_pictures(mut self, pictures: Pictures) -> Self {
+        self.warnings.extend(pictures.warnings);
+        let is_any = pictures.base_colour.is_some() || pictures.normals.is_some();
+        if is_any && !self.has_uv {
+            self.warnings.push("pictures need texture coordinates".to_owned());
+        } else if is_any {
+            // A normal map alone lies on white.
+            let white = || Texture { size: [1; 2], pixels: vec![[255; 4]] };
+            self.texture = Some(pictures.base_colour.unwrap_or_else(white));
+            self.normal_map = pictures.normals;
+            self.is_painted = true;
         }
         self
+    }
+
+    /// Whether its file names pictures to paint it with.
+    pub fn is_painted(&self) -> bool {
+        self.is_painted
+    }
+
+    /// The normals in tangent space that its file names, for where the surface is painted.
+    pub fn normal_map(&self) -> Option<&Texture> {
+        self.normal_map.as_ref()
     }
 
     /// What is not drawn as the file asks for.

@@ -1,4 +1,4 @@
-//! The base colours of a glTF file: the picture that its materials name, inside the file or beside it.
+//! The pictures of a glTF file: base colours and normals that its materials name, inside the file or beside it.
 
 use std::path::Path;
 
@@ -12,22 +12,52 @@ const GLB: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
 const BINARY: u32 = 0x004E_4942;
 
-/// Returns the picture of base colours of the first material with one; `None` for other files, and without such a material. PNG
-/// only.
-///
-/// # Errors
-/// Why the picture named by the file cannot be had.
-pub(super) fn base_colour(path: &Path) -> Result<Option<Texture>, String> {
-    let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
-    if !is("gltf") && !is("glb") {
-        return Ok(None);
+/// What a file's first material with each picture names.
+#[derive(Debug, Default)]
+pub(super) struct Pictures {
+    pub base_colour: Option<Texture>,
+    /// In tangent space: `127.5 (n + 1)`, green up.
+    pub normals: Option<Texture>,
+    /// Why a picture that is named cannot be had.
+    pub warnings: Vec<String>,
+}
+
+impl Pictures {
+    /// Reads the pictures of a glTF file; of other files there are none. PNG only.
+    pub fn read(path: &Path) -> Self {
+        let mut pictures = Self::default();
+        let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+        if is("gltf") || is("glb") {
+            pictures
+                .take(path)
+                .unwrap_or_else(|reason| pictures.warnings.push(format!("no pictures: {reason}")));
+        }
+        pictures
     }
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    let (document, binary) = parts(&bytes).ok_or("the document is damaged")?;
-    let document: Value = serde_json::from_slice(document).map_err(|error| error.to_string())?;
-    let materials = document["materials"].as_array().map_or(&[][..], Vec::as_slice);
-    let named = |material: &Value| material["pbrMetallicRoughness"]["baseColorTexture"]["index"].as_u64();
-    let Some(texture) = materials.iter().find_map(named) else { return Ok(None) };
+
+    fn take(&mut self, path: &Path) -> Result<(), String> {
+        let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+        let (document, binary) = parts(&bytes).ok_or("the document is damaged")?;
+        let document: Value = serde_json::from_slice(document).map_err(|error| error.to_string())?;
+        let materials = document["materials"].as_array().map_or(&[][..], Vec::as_slice);
+        let named = |texture: fn(&Value) -> &Value| {
+            let index = materials.iter().find_map(|material| texture(material)["index"].as_u64());
+            index.map(|index| picture(path, &document, binary, index))
+        };
+        let base_colour = named(|material| &material["pbrMetallicRoughness"]["baseColorTexture"]);
+        let normals = named(|material| &material["normalTexture"]);
+        let warnings = &mut self.warnings;
+        let mut found = |what: &str, picture: Option<Result<Texture, String>>| {
+            picture?.map_err(|reason| warnings.push(format!("no {what}: {reason}"))).ok()
+        };
+        self.base_colour = found("base colours", base_colour);
+        self.normals = found("normal map", normals);
+        Ok(())
+    }
+}
+
+/// Returns the picture of a texture of the document.
+fn picture(path: &Path, document: &Value, binary: &[u8], texture: u64) -> Result<Texture, String> {
     let source = document["textures"][texture as usize]["source"].as_u64();
     let image = &document["images"][source.ok_or("the texture has no picture")? as usize];
     let picture = match image["uri"].as_str() {
@@ -36,10 +66,10 @@ pub(super) fn base_colour(path: &Path) -> Result<Option<Texture>, String> {
             let beside = path.with_file_name(String::from_utf8_lossy(&decoded(uri)).as_ref());
             std::fs::read(&beside).map_err(|error| format!("{}: {error}", beside.display()))?
         }
-        None => embedded(&document, image, binary).ok_or("the picture is not in the file")?.to_vec(),
+        None => embedded(document, image, binary).ok_or("the picture is not in the file")?.to_vec(),
     };
     let (size, pixels) = decode_png(picture)?;
-    Ok(Some(Texture { size, pixels }))
+    Ok(Texture { size, pixels })
 }
 
 /// Returns the document and the binary chunk of a file.

@@ -113,7 +113,7 @@ impl Viewer {
             options: arguments.options(),
             control: arguments.control(),
             tolerances: arguments.tolerances(),
-            shading: arguments.shading,
+            shading: arguments.shading.unwrap_or_default(),
             wire: arguments.wire,
             flat: arguments.flat,
             layout: arguments.beside,
@@ -123,7 +123,7 @@ impl Viewer {
         let mut viewer = Self {
             eyes: [renderer.eye(&gpu.device), renderer.eye(&gpu.device)],
             targets: [(); 2].map(|()| Target::new(&gpu.device, [1, 1], SAMPLES)),
-            paint: renderer.paint(&gpu.device, &gpu.queue, [side; 2], &checker),
+            paint: renderer.paint(&gpu.device, &gpu.queue, ([side; 2], &checker), None),
             painted: false,
             refused: None,
             lines: gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -198,7 +198,8 @@ impl Viewer {
         } else if is("png") {
             match read_png(file) {
                 Ok((size, pixels)) => {
-                    self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
+                    let colours = (size, &pixels[..]);
+                    self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, colours, None);
                     self.painted = true;
                     self.controls.shading = Shading::Texture;
                 }
@@ -337,7 +338,12 @@ impl Viewer {
                 let places = self.source.places();
                 if !self.painted {
                     let (size, pixels) = model.picture();
-                    self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, size, &pixels);
+                    let normals = model.normal_map().map(|map| (map.size, &map.pixels[..]));
+                    let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+                    self.paint = self.renderer.paint(device, queue, (size, &pixels), normals);
+                    if !same && model.is_painted() && self.controls.shading == Shading::Material {
+                        self.controls.shading = Shading::Texture;
+                    }
                 }
                 self.full = None;
                 let warning = model.warnings().first().cloned();

@@ -1,5 +1,5 @@
-//! Promise: a glTF file's base colours are painted on every structure, from beside the file or from inside; a picture that cannot be
-//! had is a warning.
+//! Promise: a glTF file's base colours and normal map are painted on every structure, from beside the file or from inside; a picture
+//! that cannot be had is a warning.
 
 mod card;
 
@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use card::{open, shared};
+use glam::Vec3;
 use multires::io::{self, GltfTextures};
 use multires::mesh::{Attribute, Mesh, names, shapes};
 use multires::view::View;
@@ -22,7 +23,7 @@ const STRUCTURES: [StructureKind; 4] =
 
 /// A folder of its own.
 fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("multires-base-colours-{}-{name}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("multires-gltf-pictures-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
@@ -86,6 +87,51 @@ fn all_structures_wear_the_base_colours_of_their_file() {
             "{structure:?}: {red}, {blue} of {surface}"
         );
         assert_eq!(red_and_blue(&plain), [0; 2], "{structure:?}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Normals that a pixel of [`Shading::Normal`] shows.
+fn normal_of(pixel: [u8; 4]) -> Vec3 {
+    Vec3::from_array([0, 1, 2].map(|k| f32::from(pixel[k]) / 127.5 - 1.0)).normalize()
+}
+
+#[test]
+fn normals_lean_as_the_map_says() {
+    let Some(gpu) = open("normals_lean_as_the_map_says") else { return };
+    let folder = folder("normals");
+    // Along growing u, which is x; and against growing v, which is up.
+    for (name, axis, texel) in
+        [("right", Vec3::X, [204, 128, 230, 255]), ("up", Vec3::Y, [128, 204, 230, 255])]
+    {
+        let path = folder.join(name).with_extension("glb");
+        let textures = GltfTextures::default().with_normal(format!("{name}.png"));
+        io::write_textured(&path, &ball(), &textures).unwrap();
+        write_png(&folder.join(name).with_extension("png"), [8; 2], &[texel; 64]).unwrap();
+        let mapped = Arc::new(load(&path, StructureKind::Tom));
+        assert!(mapped.warnings().is_empty() && mapped.normal_map().is_some());
+        let plain_path = folder.join("plain.glb");
+        io::write(&plain_path, &ball()).unwrap();
+        let plain = Arc::new(load(&plain_path, StructureKind::Tom));
+        let mut orbit = Orbit::framing([0.0; 3], 1.0, LENS.field_of_view, false);
+        orbit.around = 0.0;
+        let pose = orbit.pose();
+        let view: View = pose.view(&LENS, &Tolerances::default().with_anywhere(0.1)).unwrap();
+        let place = glam::Mat4::IDENTITY.to_cols_array_2d();
+        let [plain, mapped] = [plain, mapped].map(|model| {
+            let mut stage = Stage::new(gpu.clone(), model, &[place], shared(), LENS.size, 1).unwrap();
+            let look = Look { shading: Shading::Normal, ..pose.look(&LENS, 2.0) };
+            stage.frame(std::slice::from_ref(&view), Some(&look), Overlays::default(), STEP);
+            stage.picture().unwrap()
+        });
+        let [width, height] = LENS.size.map(|side| side as usize);
+        for (x, y) in [(0, 0), (10, 0), (-10, 5), (0, -15)] {
+            let at = ((height as i32 / 2 + y) * width as i32 + width as i32 / 2 + x) as usize;
+            let (own, found) = (normal_of(plain[at]), normal_of(mapped[at]));
+            let tangent = (axis - own * axis.dot(own)).normalize();
+            let expected = 0.6 * tangent + 0.8 * own;
+            assert!(found.dot(expected) > 0.99, "{name} at {x}, {y}: {own} leans to {found}, not {expected}");
+        }
     }
     std::fs::remove_dir_all(folder).unwrap();
 }
