@@ -57,6 +57,8 @@ struct Point {
     @location(2) @interpolate(perspective, centroid) uv: vec2<f32>,
     @location(3) @interpolate(perspective, centroid) detail: vec2<f32>,
     @location(4) @interpolate(flat) colour: vec4<f32>,
+    // The texture coordinates at the middle of the pixel, for derivatives.
+    @location(5) uv_at_middle: vec2<f32>,
 }
 
 fn place(index: u32, corner: Corner) -> Point {
@@ -75,6 +77,7 @@ fn place(index: u32, corner: Corner) -> Point {
         dot(corner.row_z.xyz, normal),
     );
     point.uv = multires_morph2(corner.uv, corner.target_uv, share);
+    point.uv_at_middle = point.uv;
     // The error in world units.
     point.detail = vec2(detail.x, detail.y * length(corner.row_x.xyz));
     point.colour = corner.colour;
@@ -167,8 +170,8 @@ fn surface(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec
     let texel = textureSample(normal_map, picture_sampler, point.uv).xyz;
     let place_x = dpdx(point.offset);
     let place_y = dpdy(point.offset);
-    let uv_x = dpdx(point.uv);
-    let uv_y = dpdy(point.uv);
+    let uv_x = dpdx(point.uv_at_middle);
+    let uv_y = dpdy(point.uv_at_middle);
     if dot(flat, ray) > 0.0 {
         flat = -flat;
     }

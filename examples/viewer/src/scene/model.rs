@@ -302,9 +302,9 @@ impl Model {
         if is_any && !self.has_uv {
             self.warnings.push("pictures need texture coordinates".to_owned());
         } else if is_any {
-            // A normal map alone lies on white.
-            let white = || Texture { size: [1; 2], pixels: vec![[255; 4]] };
-            self.texture = Some(pictures.base_colour.unwrap_or_else(white));
+            // A normal map alone lies on grey.
+            let grey = || Texture { size: [1; 2], pixels: vec![[176, 180, 186, 255]] };
+            self.texture = Some(pictures.base_colour.unwrap_or_else(grey));
             self.normal_map = pictures.normals;
             self.is_painted = true;
         }
