@@ -97,7 +97,7 @@ impl<'a> Fit<'a> {
             // Corners of the next level: those of this level, and the middles of the sides.
             let point = |i: u16, j: u16| {
                 let place = DomainPoint::new(face, barycentric(level + 1, [i, j]));
-                let place = if (i | j) % 2 == 0 { unfolded.apply(&place) } else { place };
+                let place = if (i | j).is_multiple_of(2) { unfolded.apply(&place) } else { place };
                 map.point_and_normal(mesh, place.base_face, place.barycentric)
             };
             let rows: Vec<Vec<(DVec3, DVec3)>> =

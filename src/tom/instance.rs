@@ -316,7 +316,7 @@ impl<V: Vertex> Lod for TomLod<V> {
     }
 
     fn drawn_range(&self, group: usize) -> Range<usize> {
-        self.places(group)
+        0..self.places(group).len()
     }
 
     fn vertices(&self) -> Option<&[u32]> {
