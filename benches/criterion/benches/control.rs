@@ -95,6 +95,9 @@ fn flight(frames: usize) -> Vec<[ObjectView; 1]> {
     (0..frames).map(view).collect()
 }
 
+/// Flights of which every frame's least time counts.
+const FLIGHTS: usize = 5;
+
 fn terrain(_: &mut Criterion) {
     let mesh = shapes::terrain(513, 1);
     let model = VertexHierarchy::bake(&mesh).unwrap();
@@ -105,23 +108,28 @@ fn terrain(_: &mut Criterion) {
         if way == "by the limit of the instance" {
             options = options.with_triangles(50_000);
         }
-        let mut lod = model.instance(values.clone(), &options).unwrap();
         let triangles = if way == "by factors, not needed" { 1_000_000 } else { 50_000 };
-        let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(triangles)).unwrap();
-        let (mut times, mut drawn, mut most, mut rounds) = (Vec::new(), 0, 0, 0);
-        for views in &views {
-            let start = Instant::now();
-            let triangles = if way.starts_with("by factors") {
-                let report = budget.adapt(&mut [SceneObject::new(&mut lod, views)], 1.0 / 60.0);
-                rounds += report.rounds;
-                report.triangles
-            } else {
-                lod.adapt(views, 1.0 / 60.0).triangles
-            };
-            times.push(start.elapsed().as_secs_f64() * 1e3);
-            lod.clean();
-            drawn += triangles;
-            most = most.max(triangles);
+        let mut times = vec![f64::INFINITY; views.len()];
+        let (mut drawn, mut most, mut rounds) = (0, 0, 0);
+        // All flights do the same: of every frame the least counts, or interruptions would be the worst frames.
+        for _ in 0..FLIGHTS {
+            (drawn, most, rounds) = (0, 0, 0);
+            let mut lod = model.instance(values.clone(), &options).unwrap();
+            let mut budget = SceneBudget::new(SceneOptions::default().with_triangles(triangles)).unwrap();
+            for (views, time) in views.iter().zip(&mut times) {
+                let start = Instant::now();
+                let triangles = if way.starts_with("by factors") {
+                    let report = budget.adapt(&mut [SceneObject::new(&mut lod, views)], 1.0 / 60.0);
+                    rounds += report.rounds;
+                    report.triangles
+                } else {
+                    lod.adapt(views, 1.0 / 60.0).triangles
+                };
+                *time = time.min(start.elapsed().as_secs_f64() * 1e3);
+                lod.clean();
+                drawn += triangles;
+                most = most.max(triangles);
+            }
         }
         // The first frame comes from the coarsest mesh.
         let times = &mut times[1..];
