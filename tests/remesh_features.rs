@@ -227,7 +227,7 @@ fn bends_do_not_count_unless_they_outline_a_part() {
 fn creases_of_fandisk_are_found_by_themselves() {
     let Some(mesh) = real::read("remesh_features", "real/fandisk.obj") else { return };
     let map = Remesher::new().run(&mesh).unwrap();
-    // Three edges or so are as sharp, and away from all creases.
+    // The ends of creases that fade out, too.
     let points = feature_points(&mesh, 42.0);
     let least = |p: &MeshPoint| map.to_base(p).unwrap().barycentric.into_iter().fold(1.0, f64::min);
     let off = points.iter().filter(|point| least(point) > ON_SIDE).count();
