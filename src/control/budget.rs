@@ -22,6 +22,8 @@ use super::selection::reach;
 
 /// Most steps, after the first that does not fit, that are tried for the rest of the triangles.
 const REST: usize = 512;
+/// Objects by which the slope of a first frame is estimated, at least.
+const SAMPLE: usize = 128;
 /// The steps looked at first have slopes within these factors of the slope of the last frame; then all steps.
 const WINDOWS: [f32; 2] = [1.2, 4.0];
 
@@ -242,7 +244,14 @@ impl Budget {
     /// Chooses a level for each object. The triangles never exceed the budget, unless the coarsest levels do.
     pub fn split(&mut self, objects: &[LadderObject<'_>]) -> Split {
         let limit = self.options.triangles as u64;
-        let base = objects.iter().fold(0_u64, |sum, object| sum + object.ladder.coarsest().1 as u64);
+        let (mut base, mut steps) = (0_u64, 0);
+        for object in objects {
+            base += object.ladder.coarsest().1 as u64;
+            steps += object.ladder.steps().len();
+        }
+        // The window of a later frame may hold all steps.
+        self.entries.clear();
+        self.entries.reserve(steps);
         self.weights.clear();
         self.weights.extend(objects.iter().map(LadderObject::weight));
         let known = self.rungs.len() == objects.len();
@@ -332,20 +341,27 @@ impl Budget {
         if known && WINDOWS.iter().any(|&by| self.take_within(objects, room, [last / by, last * by])) {
             return;
         }
-        let window = self.survey(objects, room);
+        // A sample of the objects finds about where the split ends; all objects find it surely.
+        let every = objects.len() / SAMPLE;
+        if every > 1 {
+            let [low, high] = self.survey(objects, every, room / every as u64);
+            if self.take_within(objects, room, [low / WINDOWS[0], high * WINDOWS[0]]) {
+                return;
+            }
+        }
+        let window = self.survey(objects, 1, room);
         self.take_within(objects, room, window);
     }
 
-    /// Returns a window of keys in which the split ends: triangles are summed by classes of keys, an eighth of an octave wide.
-    fn survey(&mut self, objects: &[LadderObject<'_>], room: u64) -> [f32; 2] {
-        let Self { options, weights, rungs, classes, entries, .. } = self;
+    /// Returns a window of keys in which the split of every so many objects ends, of `room` triangles: triangles are summed by
+    /// classes of keys, an eighth of an octave wide.
+    fn survey(&mut self, objects: &[LadderObject<'_>], every: usize, room: u64) -> [f32; 2] {
+        let Self { options, weights, rungs, classes, .. } = self;
         let boost = 1.0 + options.hysteresis;
         classes.clear();
         classes.resize(CLASSES, 0);
-        let mut most = 0;
-        for ((object, &weight), &rung) in objects.iter().zip(&*weights).zip(&*rungs) {
+        for ((object, &weight), &rung) in objects.iter().zip(&*weights).zip(&*rungs).step_by(every) {
             let (steps, scale) = (object.ladder.steps(), object.scale());
-            most += steps.len();
             if weight <= 0.0 {
                 continue;
             }
@@ -354,9 +370,6 @@ impl Budget {
                 classes[class_of(key)] += u64::from(step.triangles);
             }
         }
-        // A window of a later frame may hold all steps.
-        entries.clear();
-        entries.reserve(most);
         let mut sum = 0_u64;
         let reached = classes.iter().rposition(|triangles| {
             sum += triangles;
