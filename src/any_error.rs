@@ -57,6 +57,9 @@ pub enum Error {
     View(#[from] ViewError),
     /// An error of a controller.
     Control(#[from] ControlError),
+    /// An error of a stream.
+    #[cfg(feature = "stream")]
+    Stream(#[from] crate::stream::StreamError),
     /// An error of a measurement.
     #[cfg(feature = "quality")]
     Quality(#[from] crate::quality::QualityError),

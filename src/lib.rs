@@ -69,6 +69,7 @@
 //! | [`view`] | cameras, and the error allowed on the screen: [`View`] |
 //! | [`adapt`] | following a view: the cut, changed ranges |
 //! | [`control`] | a frame time, or a number of triangles, for a whole scene |
+//! | `stream` | a model that lies elsewhere: coarse at once, then what is looked at (feature `stream`) |
 //! | `quality` | distances between meshes, signed and proven, volume, normals, textures, rendering on the CPU (feature `quality`) |
 //! | `io` | OBJ, PLY, STL, OFF, glTF and the baked file (feature `io`) |
 //! | [`error`] | errors of input arrays |
@@ -86,6 +87,7 @@
 //! | `parallel` | yes | use of all cores where work divides; the output bytes are equal without it |
 //! | `quality` | yes | the module `quality` |
 //! | `io` | | the module `io`; brings `serde` |
+//! | `stream` | | the module `stream` |
 //! | `serde` | | `Serialize` and `Deserialize` for meshes and structures, validated on the way in |
 //! | `cli` | | the program `multires`; brings `io` and `quality` |
 //!
@@ -122,6 +124,8 @@ pub mod quality;
 pub mod remesh;
 pub mod sequence;
 pub mod simplify;
+#[cfg(feature = "stream")]
+pub mod stream;
 pub mod tom;
 pub mod view;
 pub mod wavelet;

@@ -106,6 +106,10 @@ fn level_marks(sequence: &CollapseSequence, share: f64) -> Vec<u32> {
     }
     let last = marks[marks.len() - 1];
     if sequence.triangles_after(sequence.len()) < sequence.triangles_after(last as usize) {
+        // A level that keeps more than the share is no level of its own: the level before it goes on to the end.
+        if marks.len() > 1 {
+            marks.pop();
+        }
         marks.push(sequence.len() as u32);
     }
     marks

@@ -15,8 +15,8 @@
 #[non_exhaustive]
 pub struct GmeshOptions {
     /// Largest share of the triangles kept from a level to the next, above 0 to 0.9. Batches are joined into a level until
-    /// the share is reached; a sequence in linear order is cut where the share is first reached. The last level may keep
-    /// more. Default 0.65: each batch of [`Matching`](crate::simplify::Independence::Matching) is a level.
+    /// the share is reached; a sequence in linear order is cut where the share is first reached. What is left at the end joins
+    /// the last level. Default 0.65: each batch of [`Matching`](crate::simplify::Independence::Matching) is a level.
     pub share: f32,
 }
 

@@ -51,4 +51,6 @@ pub use error::HierarchyError;
 pub use instance::HierarchyLod;
 pub use parts::HierarchyParts;
 pub use surface::CutSurface;
+#[cfg_attr(not(feature = "stream"), allow(unused_imports))]
+pub(crate) use surface::SplitSource;
 pub use vertex_hierarchy::VertexHierarchy;

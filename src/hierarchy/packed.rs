@@ -15,6 +15,13 @@ impl Packed {
         Self { slot_of: vec![NONE; vertices], ..Self::default() }
     }
 
+    /// Makes room for vertices of numbers below `vertices`.
+    pub fn reach(&mut self, vertices: usize) {
+        if self.slot_of.len() < vertices {
+            self.slot_of.resize(vertices, NONE);
+        }
+    }
+
     /// Returns the vertex in every slot.
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
@@ -52,6 +59,12 @@ impl Packed {
 
     pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
         self.dirty.ranges(self.vertices.len(), gap)
+    }
+
+    /// Marks all slots as written.
+    #[cfg(feature = "stream")]
+    pub fn invalidate(&mut self) {
+        self.dirty.mark_all(self.vertices.len());
     }
 
     pub fn clean(&mut self) {

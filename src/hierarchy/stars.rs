@@ -55,6 +55,13 @@ impl CornerStars {
         Self { runs: vec![Run::EMPTY; vertices], pool: Vec::new(), free: [NONE; SIZES] }
     }
 
+    /// Makes room for vertices of numbers below `vertices`.
+    pub fn reach(&mut self, vertices: usize) {
+        if self.runs.len() < vertices {
+            self.runs.resize(vertices, Run::EMPTY);
+        }
+    }
+
     #[inline]
     pub fn of(&self, vertex: u32) -> &[Entry] {
         let run = self.runs[vertex as usize];

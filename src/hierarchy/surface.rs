@@ -16,6 +16,48 @@ use super::VertexHierarchy;
 use super::packed::Packed;
 use super::stars::CornerStars;
 
+/// The splits and triangles that a surface is made of: of a hierarchy, or of the part of it that has arrived.
+pub(crate) trait SplitSource {
+    /// Returns the vertices brought by a split, in the order of the collapse: vertex, substitute and first leaf.
+    fn brought(&self, split: u32) -> impl DoubleEndedIterator<Item = [u32; 3]>;
+    /// Returns the triangles brought back by a split.
+    fn owned(&self, split: u32) -> std::ops::Range<u32>;
+    /// Returns a triangle's corners at full resolution.
+    fn leaves(&self, triangle: u32) -> [u32; 3];
+    /// Returns the group of a triangle.
+    fn group_of(&self, triangle: u32) -> usize;
+    /// Returns the vertex representing a leaf, for the closed set of splits given by `there`.
+    fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32;
+}
+
+impl SplitSource for VertexHierarchy {
+    #[inline]
+    fn brought(&self, split: u32) -> impl DoubleEndedIterator<Item = [u32; 3]> {
+        let brings = self.brings.get(split).iter();
+        brings.map(|&vertex| [vertex, self.substitute[vertex as usize], self.first_leaf(vertex)])
+    }
+
+    #[inline]
+    fn owned(&self, split: u32) -> std::ops::Range<u32> {
+        self.owned(split)
+    }
+
+    #[inline]
+    fn leaves(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize]
+    }
+
+    #[inline]
+    fn group_of(&self, triangle: u32) -> usize {
+        self.group_of(triangle)
+    }
+
+    #[inline]
+    fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
+        self.active(leaf, there)
+    }
+}
+
 /// The triangles at a cut, and if vertices are packed, the vertices in use. Splits and collapses cost O(moved corners),
 /// and allocate only when buffers grow.
 #[derive(Debug, Clone)]
@@ -48,17 +90,17 @@ struct Group {
 impl Output {
     /// Sets the name (slot or vertex) of a drawn triangle's corner.
     #[inline]
-    fn write(&mut self, hierarchy: &VertexHierarchy, corner: u32, name: u32) {
+    fn write(&mut self, source: &impl SplitSource, corner: u32, name: u32) {
         let triangle = corner / 3;
-        let group = &mut self.groups[hierarchy.group_of(triangle)];
+        let group = &mut self.groups[source.group_of(triangle)];
         let at = self.place[triangle as usize];
         group.indices[at as usize][(corner % 3) as usize] = name;
         group.dirty.mark(at);
     }
 
     /// Removes a triangle from its group. Returns the vertices of its corners.
-    fn hide(&mut self, hierarchy: &VertexHierarchy, triangle: u32) -> [u32; 3] {
-        let group = &mut self.groups[hierarchy.group_of(triangle)];
+    fn hide(&mut self, source: &impl SplitSource, triangle: u32) -> [u32; 3] {
+        let group = &mut self.groups[source.group_of(triangle)];
         let at = std::mem::replace(&mut self.place[triangle as usize], NONE);
         let names = group.indices.swap_remove(at as usize);
         group.drawn.swap_remove(at as usize);
@@ -97,6 +139,28 @@ impl CutSurface {
             surface.show(hierarchy, triangle, |_| false);
         }
         surface
+    }
+
+    /// Creates an empty mesh, with packed vertices.
+    pub(crate) fn empty(groups: usize) -> Self {
+        let output = Output {
+            place: Vec::new(),
+            groups: vec![Group::default(); groups.max(1)],
+            packed: Some(Packed::default()),
+        };
+        Self { stars: CornerStars::new(0), output, loose: Vec::new() }
+    }
+
+    /// Makes room for vertices and triangles of numbers up to these.
+    pub(crate) fn reach(&mut self, vertices: usize, triangles: usize) {
+        let Self { stars, output, .. } = self;
+        stars.reach(vertices);
+        if let Some(packed) = &mut output.packed {
+            packed.reach(vertices);
+        }
+        if output.place.len() < triangles {
+            output.place.resize(triangles, NONE);
+        }
     }
 
     /// Creates the mesh of a set of splits, closed under parents.
@@ -161,8 +225,16 @@ impl CutSurface {
     }
 
     /// Marks all drawn triangles as written.
-    pub(super) fn invalidate(&mut self) {
+    pub(crate) fn invalidate(&mut self) {
         self.output.groups.iter_mut().for_each(|group| group.dirty.mark_all(group.drawn.len()));
+    }
+
+    /// Marks all slots as written.
+    #[cfg(feature = "stream")]
+    pub(crate) fn invalidate_vertices(&mut self) {
+        if let Some(packed) = &mut self.output.packed {
+            packed.invalidate();
+        }
     }
 
     /// Forgets all written slots.
@@ -176,39 +248,37 @@ impl CutSurface {
     /// present.
     pub(crate) fn split(
         &mut self,
-        hierarchy: &VertexHierarchy,
+        source: &impl SplitSource,
         split: u32,
         there: impl Fn(u32) -> bool + Copy,
     ) {
         let Self { stars, output, .. } = self;
-        for &vertex in hierarchy.brings.get(split).iter().rev() {
-            let to = hierarchy.substitute[vertex as usize];
+        for [vertex, to, first_leaf] in source.brought(split).rev() {
             let mut name = NONE;
-            stars.part(to, vertex, hierarchy.first_leaf(vertex), |corner| {
+            stars.part(to, vertex, first_leaf, |corner| {
                 if name == NONE {
                     name = output.name(vertex);
                 }
-                output.write(hierarchy, corner, name);
+                output.write(source, corner, name);
             });
         }
-        for triangle in hierarchy.owned(split) {
-            self.show(hierarchy, triangle, there);
+        for triangle in source.owned(split) {
+            self.show(source, triangle, there);
         }
-        for &vertex in hierarchy.brings.get(split) {
-            self.release(hierarchy, hierarchy.substitute[vertex as usize]);
+        for [_, to, _] in source.brought(split) {
+            self.release(source, to);
         }
     }
 
     /// Removes a split from the mesh. No split in the mesh may need it.
-    pub(crate) fn collapse(&mut self, hierarchy: &VertexHierarchy, split: u32) {
+    pub(crate) fn collapse(&mut self, source: &impl SplitSource, split: u32) {
         let Self { stars, output, loose } = self;
-        let owned = hierarchy.owned(split);
+        let owned = source.owned(split);
         let gone = 3 * owned.start..3 * owned.end;
-        let brought = hierarchy.brings.get(split);
         for triangle in owned {
-            for vertex in output.hide(hierarchy, triangle) {
+            for vertex in output.hide(source, triangle) {
                 // Vertices of the split lose their stars as a whole.
-                if !brought.contains(&vertex) {
+                if source.brought(split).all(|[brought, ..]| brought != vertex) {
                     stars.remove(vertex, &gone);
                     if output.packed.is_some() {
                         loose.push(vertex);
@@ -216,29 +286,29 @@ impl CutSurface {
                 }
             }
         }
-        for &vertex in brought {
-            let to = hierarchy.substitute[vertex as usize];
+        for [vertex, to, _] in source.brought(split) {
             let mut name = NONE;
             stars.join(vertex, to, &gone, |corner| {
                 if name == NONE {
                     name = output.name(to);
                 }
-                output.write(hierarchy, corner, name);
+                output.write(source, corner, name);
             });
         }
         if self.output.packed.is_some() {
-            brought.iter().for_each(|&vertex| self.release(hierarchy, vertex));
+            source.brought(split).for_each(|[vertex, ..]| self.release(source, vertex));
             while let Some(vertex) = self.loose.pop() {
-                self.release(hierarchy, vertex);
+                self.release(source, vertex);
             }
         }
     }
 
-    fn show(&mut self, hierarchy: &VertexHierarchy, triangle: u32, there: impl Fn(u32) -> bool) {
-        let leaves = hierarchy.triangles[triangle as usize];
-        let corners = leaves.map(|leaf| hierarchy.active(leaf, &there));
+    /// Adds a triangle to the mesh. `there` tells the splits in the mesh.
+    pub(crate) fn show(&mut self, source: &impl SplitSource, triangle: u32, there: impl Fn(u32) -> bool) {
+        let leaves = source.leaves(triangle);
+        let corners = leaves.map(|leaf| source.active(leaf, &there));
         let names = corners.map(|vertex| self.output.name(vertex));
-        let group = &mut self.output.groups[hierarchy.group_of(triangle)];
+        let group = &mut self.output.groups[source.group_of(triangle)];
         let at = group.drawn.len() as u32;
         self.output.place[triangle as usize] = at;
         group.drawn.push(triangle);
@@ -250,7 +320,7 @@ impl CutSurface {
     }
 
     /// Frees the slot of a vertex named by no corner.
-    fn release(&mut self, hierarchy: &VertexHierarchy, vertex: u32) {
+    fn release(&mut self, source: &impl SplitSource, vertex: u32) {
         let Self { stars, output, .. } = self;
         let Some(packed) = &mut output.packed else { return };
         if !stars.of(vertex).is_empty() {
@@ -259,9 +329,15 @@ impl CutSurface {
         if let Some(moved) = packed.free(vertex) {
             let slot = packed.slot(moved);
             for entry in stars.of(moved) {
-                output.write(hierarchy, entry[0], slot);
+                output.write(source, entry[0], slot);
             }
         }
+    }
+
+    /// Returns the corners around a vertex that are a leaf's: `3 * triangle + k`.
+    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    pub(crate) fn star_of_leaf(&self, vertex: u32, leaf: u32) -> impl Iterator<Item = u32> {
+        self.stars.of(vertex).iter().filter(move |entry| entry[1] == leaf).map(|entry| entry[0])
     }
 
     /// Returns the corners around a vertex: `3 * triangle + k`.

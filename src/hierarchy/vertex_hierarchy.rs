@@ -119,20 +119,20 @@ impl VertexHierarchy {
 
     /// Returns the group of a triangle.
     #[inline]
-    pub(super) fn group_of(&self, triangle: u32) -> usize {
+    pub(crate) fn group_of(&self, triangle: u32) -> usize {
         self.group_of.get(triangle as usize).map_or(0, |&group| group as usize)
     }
 
     /// Returns the triangles brought back by a split.
     #[inline]
-    pub(super) fn owned(&self, split: u32) -> std::ops::Range<u32> {
+    pub(crate) fn owned(&self, split: u32) -> std::ops::Range<u32> {
         self.first_triangle[split as usize]..self.first_triangle[split as usize + 1]
     }
 
     /// Returns the vertex representing a leaf, for the closed set of splits given by `there`. O(hops), and O(log n) if
     /// chains are long.
     #[inline]
-    pub(super) fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
+    pub(crate) fn active(&self, leaf: u32, there: impl Fn(u32) -> bool) -> u32 {
         let stays = |vertex: u32| {
             let split = self.split_of[vertex as usize];
             split == NONE || there(split)
@@ -172,8 +172,26 @@ impl VertexHierarchy {
 
     /// Returns the first leaf represented by a vertex at its coarsest.
     #[inline]
-    pub(super) fn first_leaf(&self, vertex: u32) -> u32 {
+    pub(crate) fn first_leaf(&self, vertex: u32) -> u32 {
         if vertex < self.leaves { vertex } else { self.first_leaf[(vertex - self.leaves) as usize] }
+    }
+
+    /// Returns the vertices brought by a split, in the order of the collapse.
+    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    pub(crate) fn brings(&self, split: u32) -> &[u32] {
+        self.brings.get(split)
+    }
+
+    /// Returns the vertex that takes a vertex's place, or the vertex itself if it is never removed.
+    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    pub(crate) fn substitute(&self, vertex: u32) -> u32 {
+        self.substitute[vertex as usize]
+    }
+
+    /// Returns the split that brings a vertex; `NONE` if it is never removed.
+    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    pub(crate) fn split_of(&self, vertex: u32) -> u32 {
+        self.split_of[vertex as usize]
     }
 
     pub(crate) fn has_dependencies(&self) -> bool {

@@ -81,6 +81,13 @@ impl<S: Structure> Baked<S> {
         Self { structure: Arc::new(structure), shared: Arc::new(shared) }
     }
 
+    /// Returns the model with other vertices, as many, in the same order.
+    #[cfg(feature = "stream")]
+    pub(crate) fn with_vertices(&self, vertices: Mesh) -> Self {
+        let shared = Shared { vertices, origins: self.shared.origins.clone(), table: OnceLock::new() };
+        Self { structure: Arc::clone(&self.structure), shared: Arc::new(shared) }
+    }
+
     /// Returns the structure, shared with all instances.
     pub fn structure(&self) -> &Arc<S> {
         &self.structure

@@ -5,6 +5,7 @@
 //! | `camera.rs` | [`View`]: eye, frustum, pixels, tolerances, from plain matrices |
 //! | `look_at.rs` | [`look_at`]: the matrix of a camera looking at a point |
 //! | `object.rs` | [`ObjectView`]: a view in the space of an object, as needed by tests |
+//! | `numbers.rs` | a view as plain numbers, to travel (feature `stream`) |
 //! | `bounds.rs` | [`Bounds`] of a refinement: a sphere, a cone of normals, an error |
 //! | `deviation.rs` | [`DeviationBounds`]: bounds with directional errors |
 //! | `error_shape.rs` | [`ErrorShape`]: spheroids, and spheres with cones, around error vectors |
@@ -25,6 +26,8 @@ mod deviation;
 mod error_shape;
 mod look_at;
 mod matrix;
+#[cfg(feature = "stream")]
+mod numbers;
 mod object;
 mod region;
 mod seen;

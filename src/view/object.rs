@@ -32,18 +32,18 @@ const BARELY: f64 = 1.0 + 1e-6;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
-    eye: Eye,
-    planes: [DVec4; 5],
-    plane_count: usize,
+    pub(super) eye: Eye,
+    pub(super) planes: [DVec4; 5],
+    pub(super) plane_count: usize,
     /// `error * reach` is the distance up to which an error is too large. For an orthographic view, `error * reach` is
     /// the error in multiples of the tolerance. `reach` holds in the interior, `silhouette_reach` on silhouettes.
-    reach: f64,
-    silhouette_reach: f64,
-    error: ErrorKind,
-    frustum: bool,
-    back_faces: bool,
+    pub(super) reach: f64,
+    pub(super) silhouette_reach: f64,
+    pub(super) error: ErrorKind,
+    pub(super) frustum: bool,
+    pub(super) back_faces: bool,
     /// Centre and radius of the ball.
-    focus: Option<(DVec3, f64)>,
+    pub(super) focus: Option<(DVec3, f64)>,
 }
 
 impl View {

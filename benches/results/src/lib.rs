@@ -7,6 +7,7 @@
 //! | `wavelet` | docs/results/wavelets.md: flights past wavelet meshes |
 //! | `wavelet_compression` | docs/results/wavelet-compression.md: how few coefficients do |
 //! | `remeshing` | docs/results/remeshing.md: any mesh as one with subdivision connectivity |
+//! | `streaming` | docs/results/streaming.md: models sent to clients, and bytes counted |
 //! | `fidelity` | docs/performance.md: reported errors beside measured ones |
 
 #![allow(missing_docs)]

@@ -1,0 +1,344 @@
+//! What a client has of a hierarchy: the vertices, splits and triangles that arrived, under numbers of its own, and the mesh that
+//! they make.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::hierarchy::{CutSurface, SplitSource};
+use crate::mesh::{Mesh, NONE};
+
+use super::error::{Damage, StreamError};
+use super::header::Header;
+use super::record::{DrawnMesh, Record, Run};
+
+/// A vertex that arrived: drawn, or replaced by finer vertices.
+#[derive(Debug, Clone, Copy)]
+struct Vertex {
+    start: u32,
+    end: u32,
+    /// The last split that brought it or parted it.
+    top: u32,
+}
+
+/// A vertex brought by a split.
+#[derive(Debug, Clone, Copy)]
+struct Brought {
+    vertex: u32,
+    to: u32,
+    /// The split before this one to touch `to`.
+    below: u32,
+}
+
+/// A split in the mesh.
+#[derive(Debug, Clone, Default)]
+struct Split {
+    /// In the order of the collapse.
+    brought: Vec<Brought>,
+    triangles: Range<u32>,
+    /// Whether it parts a run at its key.
+    keyed: bool,
+    /// An earlier split of the same key.
+    under: u32,
+    firsts: Vec<u32>,
+}
+
+/// Vertices, splits and triangles. Numbers that become free are used again.
+#[derive(Debug, Clone, Default)]
+struct Parts {
+    channels: usize,
+    leaves: u32,
+    vertices: Vec<Vertex>,
+    numbers: Vec<u32>,
+    free_vertices: Vec<u32>,
+    /// First leaf of every drawn vertex.
+    runs: BTreeMap<u32, u32>,
+    splits: Vec<Split>,
+    free_splits: Vec<u32>,
+    /// The last split of every key.
+    by_key: BTreeMap<u32, u32>,
+    triangles: Vec<[u32; 3]>,
+    groups: Vec<u16>,
+    /// First triangles of free ranges, by length.
+    free_triangles: BTreeMap<u32, Vec<u32>>,
+}
+
+/// The mesh that arrived.
+#[derive(Debug, Clone)]
+pub(super) struct Received {
+    parts: Parts,
+    pub surface: CutSurface,
+    splits: usize,
+}
+
+impl SplitSource for Parts {
+    fn brought(&self, split: u32) -> impl DoubleEndedIterator<Item = [u32; 3]> {
+        let brought = self.splits[split as usize].brought.iter();
+        brought.map(|b| [b.vertex, b.to, self.vertices[b.vertex as usize].start])
+    }
+
+    fn owned(&self, split: u32) -> Range<u32> {
+        self.splits[split as usize].triangles.clone()
+    }
+
+    fn leaves(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize]
+    }
+
+    fn group_of(&self, triangle: u32) -> usize {
+        self.groups[triangle as usize].into()
+    }
+
+    fn active(&self, leaf: u32, _: impl Fn(u32) -> bool) -> u32 {
+        self.drawn(leaf)
+    }
+}
+
+impl Parts {
+    /// Returns the drawn vertex of a leaf. The base mesh must be complete.
+    fn drawn(&self, leaf: u32) -> u32 {
+        self.runs.range(..=leaf).next_back().map_or(NONE, |(_, &vertex)| vertex)
+    }
+
+    fn add_vertex(&mut self, vertex: Vertex, numbers: &[u32]) -> u32 {
+        if let Some(free) = self.free_vertices.pop() {
+            self.vertices[free as usize] = vertex;
+            self.numbers[free as usize * self.channels..][..self.channels].copy_from_slice(numbers);
+            return free;
+        }
+        self.vertices.push(vertex);
+        self.numbers.extend_from_slice(numbers);
+        self.vertices.len() as u32 - 1
+    }
+
+    fn add_triangles(&mut self, leaves: &[[u32; 3]], groups: &[u16]) -> Range<u32> {
+        let count = leaves.len() as u32;
+        let free = self.free_triangles.get_mut(&count).and_then(Vec::pop);
+        let first = free.unwrap_or(self.triangles.len() as u32);
+        if free.is_some() {
+            let range = first as usize..(first + count) as usize;
+            self.triangles[range.clone()].copy_from_slice(leaves);
+            self.groups[range].copy_from_slice(groups);
+        } else {
+            self.triangles.extend_from_slice(leaves);
+            self.groups.extend_from_slice(groups);
+        }
+        first..first + count
+    }
+
+    fn free(&mut self, triangles: Range<u32>) {
+        if !triangles.is_empty() {
+            self.free_triangles.entry(triangles.len() as u32).or_default().push(triangles.start);
+        }
+    }
+}
+
+/// Whether three vertices are different.
+fn differ([a, b, c]: [u32; 3]) -> bool {
+    a != b && b != c && c != a
+}
+
+impl Received {
+    /// Starts with nothing, for so many leaves, groups of triangles and scalars a vertex.
+    pub fn new(leaves: u32, groups: usize, channels: usize) -> Self {
+        let parts = Parts { channels, leaves, ..Parts::default() };
+        Self { parts, surface: CutSurface::empty(groups), splits: 0 }
+    }
+
+    /// Returns the number of splits in the mesh.
+    pub fn splits(&self) -> usize {
+        self.splits
+    }
+
+    /// Returns the number of vertices that arrived and are kept.
+    pub fn vertices(&self) -> usize {
+        self.parts.vertices.len() - self.parts.free_vertices.len()
+    }
+
+    /// Returns the numbers of a vertex's scalars.
+    pub fn numbers(&self, vertex: u32) -> &[u32] {
+        &self.parts.numbers[vertex as usize * self.parts.channels..][..self.parts.channels]
+    }
+
+    /// Returns the first leaf of a drawn vertex: a name that does not depend on what arrived before.
+    pub fn first_leaf(&self, vertex: u32) -> u32 {
+        self.parts.vertices[vertex as usize].start
+    }
+
+    /// Adds a vertex of the coarsest mesh, after all with lower first leaves.
+    pub fn add_base_vertex(&mut self, start: u32, numbers: &[u32]) {
+        if let Some((_, &last)) = self.parts.runs.last_key_value() {
+            self.parts.vertices[last as usize].end = start;
+        }
+        let vertex = Vertex { start, end: self.parts.leaves, top: NONE };
+        let vertex = self.parts.add_vertex(vertex, numbers);
+        self.parts.runs.insert(start, vertex);
+        self.surface.reach(self.parts.vertices.len(), 0);
+    }
+
+    /// Adds a triangle of the coarsest mesh.
+    pub fn add_base_triangle(&mut self, leaves: [u32; 3], group: u16) -> Result<(), Damage> {
+        let corners = leaves.map(|leaf| self.parts.drawn(leaf));
+        if corners.contains(&NONE) || !differ(corners) {
+            return Err(Damage("a triangle of the coarsest mesh is no triangle"));
+        }
+        let at = self.parts.add_triangles(&[leaves], &[group]).start;
+        self.surface.reach(0, self.parts.triangles.len());
+        self.surface.show(&self.parts, at, |_| true);
+        Ok(())
+    }
+
+    /// Makes a split. Nothing has changed if it makes no sense.
+    pub fn split(&mut self, record: &Record) -> Result<(), Damage> {
+        let Self { parts, surface, .. } = self;
+        let number = parts.free_splits.last().copied().unwrap_or(parts.splits.len() as u32);
+        let before = |parts: &Parts, leaves: [u32; 3]| differ(leaves.map(|leaf| parts.drawn(leaf)));
+        if record.triangles.iter().any(|&leaves| before(parts, leaves)) {
+            return Err(Damage("a triangle does not begin with its split"));
+        }
+        let mut split = Split { under: NONE, ..Split::default() };
+        for (at, &first) in record.firsts.iter().enumerate() {
+            let to = parts.drawn(first);
+            let Vertex { start, end, top } = parts.vertices[to as usize];
+            let numbers = &record.numbers[at * parts.channels..][..parts.channels];
+            let vertex = parts.add_vertex(Vertex { start: first, end, top: number }, numbers);
+            split.keyed |= at == 0 && first != start;
+            split.brought.push(Brought { vertex, to, below: top });
+            let old = &mut parts.vertices[to as usize];
+            (old.end, old.top) = (first, number);
+            parts.runs.insert(first, vertex);
+        }
+        split.brought.reverse();
+        let wrong = record.triangles.iter().any(|&leaves| !before(parts, leaves));
+        if wrong {
+            parts.undo(&split);
+            return Err(Damage("a triangle of a split is no triangle"));
+        }
+        split.firsts.clone_from(&record.firsts);
+        split.triangles = parts.add_triangles(&record.triangles, &record.groups);
+        split.under = parts.by_key.insert(record.key(), number).unwrap_or(NONE);
+        match parts.free_splits.pop() {
+            Some(free) => parts.splits[free as usize] = split,
+            None => parts.splits.push(split),
+        }
+        surface.reach(parts.vertices.len(), parts.triangles.len());
+        surface.split(&*parts, number, |_| true);
+        self.splits += 1;
+        Ok(())
+    }
+
+    /// Undoes the last split of a key. Fills its record, and returns whether the split may be cached. Nothing has changed if the
+    /// split may not go.
+    pub fn collapse(&mut self, key: u32, record: &mut Record) -> Result<bool, Damage> {
+        let Self { parts, surface, .. } = self;
+        let number = *parts.by_key.get(&key).ok_or(Damage("a split that is not there goes"))?;
+        let split = &parts.splits[number as usize];
+        let on_top = |vertex: u32| parts.vertices[vertex as usize].top == number;
+        if !split.brought.iter().all(|b| on_top(b.vertex) && on_top(b.to)) {
+            return Err(Damage("a split goes before others that need it"));
+        }
+        record.start(key);
+        record.firsts.clone_from(&split.firsts);
+        for brought in split.brought.iter().rev() {
+            let numbers = &parts.numbers[brought.vertex as usize * parts.channels..][..parts.channels];
+            record.numbers.extend_from_slice(numbers);
+        }
+        let triangles = split.triangles.start as usize..split.triangles.end as usize;
+        record.triangles.extend_from_slice(&parts.triangles[triangles.clone()]);
+        record.groups.extend_from_slice(&parts.groups[triangles]);
+        surface.collapse(&*parts, number);
+        let split = std::mem::take(&mut parts.splits[number as usize]);
+        parts.undo(&split);
+        parts.free(split.triangles);
+        match split.under {
+            NONE => parts.by_key.remove(&key),
+            under => parts.by_key.insert(key, under),
+        };
+        parts.free_splits.push(number);
+        self.splits -= 1;
+        Ok(split.keyed)
+    }
+
+    /// Returns the drawn triangles with all attributes: vertices by their first leaves, triangles by their leaves.
+    pub fn to_mesh(&self, header: &Header) -> Result<Mesh, StreamError> {
+        let slots = self.surface.vertices().unwrap_or(&[]);
+        let mut drawn = Vec::new();
+        for group in 0..self.surface.groups() {
+            let corners = self.surface.triangles(group).iter().map(|t| t.map(|slot| slots[slot as usize]));
+            let leaves = self.surface.drawn(group).iter().map(|&t| self.parts.triangles[t as usize]);
+            drawn.extend(leaves.zip(corners).map(|(leaves, corners)| (leaves, corners, group)));
+        }
+        drawn.sort_unstable();
+        let mut used: Vec<u32> = slots.to_vec();
+        used.sort_unstable_by_key(|&vertex| self.first_leaf(vertex));
+        let place = |vertex: u32| {
+            let first = self.first_leaf(vertex);
+            used.partition_point(|&other| self.first_leaf(other) < first) as u32
+        };
+        let triangles = drawn.iter().map(|(_, corners, _)| corners.map(place)).collect();
+        let words: Vec<u32> =
+            used.iter().flat_map(|&vertex| header.layout.words(self.numbers(vertex))).collect();
+        let mesh = header.layout.mesh(&words, triangles)?;
+        if header.materials.is_empty() {
+            return Ok(mesh);
+        }
+        let materials: Vec<u32> = drawn.iter().map(|(.., group)| header.materials[*group]).collect();
+        mesh.with_materials(materials).map_err(|_| StreamError::Damaged { what: "materials make no mesh" })
+    }
+
+    /// Bytes of its arrays; the nodes of its trees are estimated.
+    pub fn memory(&self) -> usize {
+        let parts = &self.parts;
+        let splits = parts.splits.iter().map(|split| {
+            size_of_val(&split.brought[..]) + size_of_val(&split.firsts[..]) + size_of::<Split>()
+        });
+        self.surface.memory()
+            + size_of_val(&parts.vertices[..])
+            + size_of_val(&parts.numbers[..])
+            + size_of_val(&parts.triangles[..])
+            + size_of_val(&parts.groups[..])
+            + splits.sum::<usize>()
+            + 16 * (parts.runs.len() + parts.by_key.len())
+    }
+}
+
+impl Parts {
+    /// Takes back the vertices of a split.
+    fn undo(&mut self, split: &Split) {
+        for &Brought { vertex, to, below } in &split.brought {
+            let Vertex { start, end, .. } = self.vertices[vertex as usize];
+            self.runs.remove(&start);
+            let old = &mut self.vertices[to as usize];
+            (old.end, old.top) = (end, below);
+            self.runs.insert(old.start, to);
+            self.free_vertices.push(vertex);
+        }
+    }
+}
+
+impl DrawnMesh for Received {
+    fn leaves(&self) -> u32 {
+        self.parts.leaves
+    }
+
+    fn run(&self, leaf: u32) -> Run {
+        let vertex = self.parts.drawn(leaf);
+        let Vertex { start, end, .. } = self.parts.vertices[vertex as usize];
+        Run { vertex, start, end }
+    }
+
+    fn numbers(&self, vertex: u32) -> &[u32] {
+        self.numbers(vertex)
+    }
+
+    fn around(&self, leaf: u32, most: usize, mut each: impl FnMut([u32; 2])) {
+        let star = || self.surface.star_of_leaf(self.parts.drawn(leaf), leaf);
+        if star().nth(most).is_some() {
+            return;
+        }
+        for corner in star() {
+            let leaves = self.parts.triangles[corner as usize / 3];
+            let at = corner as usize % 3;
+            each([leaves[(at + 1) % 3], leaves[(at + 2) % 3]]);
+        }
+    }
+}
