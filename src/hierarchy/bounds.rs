@@ -18,7 +18,7 @@ use super::VertexHierarchy;
 const ROOM: f64 = 4e-7;
 
 /// Ratio of the error at a cut to the error measured for single collapses, if several neighbouring splits are left out.
-/// With it 999 of 1000 points are within the tolerance (measured on scans, `tests/hierarchy_screen_error.rs`).
+/// With it 999 of 1000 points are within the tolerance (measured on scans, `tests/hierarchy/screen_error.rs`).
 const CUT_MARGIN: f32 = 4.0 / 3.0;
 
 #[derive(Clone, Copy)]
