@@ -21,30 +21,36 @@ use super::error::Damage;
 const PRECISION: usize = 16;
 /// Least share of either value of a bit, in 2^16ths.
 const LEAST: u16 = 64;
-/// Slowest rate of learning, as a shift.
-const SLOWEST: u8 = 6;
+/// Slowest rates of learning of the two estimates, as shifts.
+const SLOWEST: [u8; 2] = [4, 7];
 
-/// Probability that a bit is 0, learnt from the bits before.
+/// Probability that a bit is 0, learnt from the bits before: the mean of a quick and a slow estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bit {
-    zero: u16,
+    zero: [u16; 2],
     seen: u8,
 }
 
 impl Default for Bit {
     fn default() -> Self {
-        Self { zero: 1 << 15, seen: 1 }
+        Self { zero: [1 << 15; 2], seen: 1 }
     }
 }
 
 impl Bit {
+    fn zero(&self) -> u16 {
+        let [quick, slow] = self.zero;
+        (quick / 2 + slow / 2).clamp(LEAST, u16::MAX - LEAST)
+    }
+
     fn learn(&mut self, bit: bool) {
-        // The first bits teach most.
-        let shift = self.seen.min(SLOWEST);
-        self.seen = shift + u8::from(shift < SLOWEST);
-        let target = if bit { LEAST } else { u16::MAX - LEAST };
-        let step = (i32::from(target) - i32::from(self.zero)) >> shift;
-        self.zero = (i32::from(self.zero) + step).clamp(LEAST.into(), (u16::MAX - LEAST).into()) as u16;
+        let target = if bit { 0 } else { i32::from(u16::MAX) };
+        for (zero, slowest) in self.zero.iter_mut().zip(SLOWEST) {
+            // The first bits teach most.
+            let shift = self.seen.min(slowest);
+            *zero = (i32::from(*zero) + ((target - i32::from(*zero)) >> shift)) as u16;
+        }
+        self.seen = self.seen.saturating_add(1);
     }
 }
 
@@ -122,7 +128,7 @@ pub(super) trait Coder {
 
     /// Codes a bit.
     fn bit(&mut self, model: &mut Bit, bit: bool) -> Result<bool, Damage> {
-        let bit = self.binary(model.zero, bit)?;
+        let bit = self.binary(model.zero(), bit)?;
         model.learn(bit);
         Ok(bit)
     }

@@ -19,6 +19,7 @@
 //! | `plan.rs` | the steps from what a client has to what its views ask for |
 //! | `client.rs` | [`Client`]: what a client draws |
 //! | `received.rs` | vertices, splits and triangles that arrived, and their mesh |
+//! | `starts.rs` | which drawn vertex a leaf belongs to |
 //! | `record.rs` | a split on the wire, written and read by one text |
 //! | `channels.rs` | the scalars of a vertex as whole numbers |
 //! | `keys.rs` | sets of splits on the wire |
@@ -43,6 +44,7 @@ mod record;
 mod request;
 mod server;
 mod session;
+mod starts;
 mod tables;
 
 pub use client::{Client, ClientOptions, Receipt, StreamVertex};

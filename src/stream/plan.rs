@@ -158,6 +158,10 @@ impl Plan {
             if !(next.urgency > 1.0) {
                 break;
             }
+            if self.wanted.has(next.split) {
+                // Needed by another, and so its children were looked at.
+                continue;
+            }
             let before = self.listed.len();
             self.close(of, next.split);
             let added: usize = self.listed[before..].iter().map(|&split| of.owned(split).len()).sum();
@@ -167,7 +171,10 @@ impl Plan {
             }
             triangles += added;
             for at in before..self.listed.len() {
-                self.heap.extend(of.children(self.listed[at]).map(key).filter(|child| child.urgency > 1.0));
+                // A child comes after all its parents, none of which is less urgent.
+                let children = of.children(self.listed[at]).filter(|&child| !self.wanted.has(child));
+                let due = children.filter(|&child| of.parents(child).all(|parent| self.wanted.has(parent)));
+                self.heap.extend(due.map(key).filter(|child| child.urgency > 1.0));
             }
         }
     }

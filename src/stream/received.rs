@@ -10,6 +10,7 @@ use crate::mesh::{Mesh, NONE};
 use super::error::{Damage, StreamError};
 use super::header::Header;
 use super::record::{DrawnMesh, Record, Run};
+use super::starts::Starts;
 
 /// A vertex that arrived: drawn, or replaced by finer vertices.
 #[derive(Debug, Clone, Copy)]
@@ -50,8 +51,10 @@ struct Parts {
     vertices: Vec<Vertex>,
     numbers: Vec<u32>,
     free_vertices: Vec<u32>,
-    /// First leaf of every drawn vertex.
-    runs: BTreeMap<u32, u32>,
+    /// Drawn vertices by their first leaves.
+    runs: Starts,
+    /// The vertex of the coarsest mesh that was added last.
+    last: Option<u32>,
     splits: Vec<Split>,
     free_splits: Vec<u32>,
     /// The last split of every key.
@@ -96,7 +99,7 @@ impl SplitSource for Parts {
 impl Parts {
     /// Returns the drawn vertex of a leaf. The base mesh must be complete.
     fn drawn(&self, leaf: u32) -> u32 {
-        self.runs.range(..=leaf).next_back().map_or(NONE, |(_, &vertex)| vertex)
+        self.runs.up_to(leaf).unwrap_or(NONE)
     }
 
     fn add_vertex(&mut self, vertex: Vertex, numbers: &[u32]) -> u32 {
@@ -140,7 +143,8 @@ fn differ([a, b, c]: [u32; 3]) -> bool {
 impl Received {
     /// Starts with nothing, for so many leaves, groups of triangles and scalars a vertex.
     pub fn new(leaves: u32, groups: usize, channels: usize) -> Self {
-        let parts = Parts { channels, leaves, ..Parts::default() };
+        let runs = Starts::new(leaves as usize);
+        let parts = Parts { channels, leaves, runs, ..Parts::default() };
         Self { parts, surface: CutSurface::empty(groups), splits: 0 }
     }
 
@@ -166,12 +170,13 @@ impl Received {
 
     /// Adds a vertex of the coarsest mesh, after all with lower first leaves.
     pub fn add_base_vertex(&mut self, start: u32, numbers: &[u32]) {
-        if let Some((_, &last)) = self.parts.runs.last_key_value() {
+        if let Some(last) = self.parts.last {
             self.parts.vertices[last as usize].end = start;
         }
         let vertex = Vertex { start, end: self.parts.leaves, top: NONE };
         let vertex = self.parts.add_vertex(vertex, numbers);
         self.parts.runs.insert(start, vertex);
+        self.parts.last = Some(vertex);
         self.surface.reach(self.parts.vertices.len(), 0);
     }
 
@@ -297,7 +302,8 @@ impl Received {
             + size_of_val(&parts.triangles[..])
             + size_of_val(&parts.groups[..])
             + splits.sum::<usize>()
-            + 16 * (parts.runs.len() + parts.by_key.len())
+            + parts.runs.memory()
+            + 16 * parts.by_key.len()
     }
 }
 
@@ -306,7 +312,7 @@ impl Parts {
     fn undo(&mut self, split: &Split) {
         for &Brought { vertex, to, below } in &split.brought {
             let Vertex { start, end, .. } = self.vertices[vertex as usize];
-            self.runs.remove(&start);
+            self.runs.remove(start);
             let old = &mut self.vertices[to as usize];
             (old.end, old.top) = (end, below);
             self.runs.insert(old.start, to);
@@ -324,6 +330,11 @@ impl DrawnMesh for Received {
         let vertex = self.parts.drawn(leaf);
         let Vertex { start, end, .. } = self.parts.vertices[vertex as usize];
         Run { vertex, start, end }
+    }
+
+    fn vertex(&self, leaf: u32) -> [u32; 2] {
+        let vertex = self.parts.drawn(leaf);
+        [vertex, self.parts.vertices[vertex as usize].start]
     }
 
     fn numbers(&self, vertex: u32) -> &[u32] {

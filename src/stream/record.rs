@@ -54,6 +54,8 @@ pub(super) trait DrawnMesh {
     fn leaves(&self) -> u32;
     /// Returns the drawn vertex of a leaf.
     fn run(&self, leaf: u32) -> Run;
+    /// Returns the drawn vertex of a leaf, and its first leaf.
+    fn vertex(&self, leaf: u32) -> [u32; 2];
     /// Returns the numbers of a vertex's scalars.
     fn numbers(&self, vertex: u32) -> &[u32];
     /// Calls `each` with the other two leaves of all drawn triangles around a leaf, at most so many, in any order.
@@ -184,6 +186,8 @@ struct Scratch {
     /// The part whose old vertex `ring` surrounds.
     ring_of: Option<usize>,
     sums: Vec<u64>,
+    /// Numbers of the vertex parted.
+    old: Vec<u32>,
 }
 
 /// Codes a split of a known key. A reader fills the record; a writer leaves it as it is. The mesh is as before the split.
@@ -405,14 +409,15 @@ fn code_numbers<C: Coder>(
     layout: &Layout,
     record: &mut Record,
 ) -> Result<(), Damage> {
-    let Scratch { parts, ring, sums, .. } = scratch;
+    let Scratch { parts, ring, sums, old, .. } = scratch;
     for at in 0..parts.len() {
         let Part { from, by, .. } = parts[at];
         let channels = layout.len();
-        let old = match by {
-            Some(part) => record.numbers[part * channels..][..channels].to_vec(),
-            None => mesh.numbers(from.vertex).to_vec(),
-        };
+        old.clear();
+        old.extend_from_slice(match by {
+            Some(part) => &record.numbers[part * channels..][..channels],
+            None => mesh.numbers(from.vertex),
+        });
         sums.clear();
         sums.resize(channels, 0);
         let mut size = 0;
@@ -430,9 +435,14 @@ fn code_numbers<C: Coder>(
             let (run, _) = run_after(mesh, parts, parts[at].first);
             let mut note = |others: [u32; 2]| {
                 for other in others {
-                    let (run, part) = run_after(mesh, parts, other);
-                    if part.is_none_or(|part| part < at) {
-                        ring.push([run.start, part.map_or(run.vertex, |part| part as u32 | PART)]);
+                    // What this vertex and later vertices take is not known yet.
+                    match parts.iter().rposition(|part| part.taken().holds(other)) {
+                        Some(part) if part < at => ring.push([parts[part].first, part as u32 | PART]),
+                        Some(_) => {}
+                        None => {
+                            let [vertex, start] = mesh.vertex(other);
+                            ring.push([start, vertex]);
+                        }
                     }
                 }
             };

@@ -130,6 +130,11 @@ impl DrawnMesh for SetMesh<'_> {
         Run { vertex, start: self.of.first_leaf(vertex), end }
     }
 
+    fn vertex(&self, leaf: u32) -> [u32; 2] {
+        let vertex = self.of.active(leaf, |split| self.has.has(split));
+        [vertex, self.of.first_leaf(vertex)]
+    }
+
     fn numbers(&self, vertex: u32) -> &[u32] {
         &self.numbers[vertex as usize * self.channels..][..self.channels]
     }
