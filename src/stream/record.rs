@@ -102,8 +102,8 @@ pub(super) struct Models {
     owned: Number,
     /// Whether a triangle lies along the parted run.
     along: Bit,
-    /// Per number of open edges and place among the candidates, whether a third leaf is this candidate.
-    candidates: [[Bit; CANDIDATES]; 2],
+    /// Per number of open edges, of candidates, and place among the candidates, whether a third leaf is this candidate.
+    candidates: [[[Bit; CANDIDATES]; CANDIDATES]; 2],
     /// Whether a third leaf is of a vertex next to the old one.
     beside: Bit,
     /// Side of a triangle: of the first, and after either side.
@@ -369,8 +369,9 @@ fn code_third<C: Coder>(
     let open = |sides: &[u8; 2]| sides.iter().filter(|&&side| side == 1).count();
     edges.retain(|(_, sides)| open(sides) > 0);
     edges.sort_unstable_by_key(|(leaf, sides)| (2 - open(sides), *leaf));
+    let crowd = edges.len().min(CANDIDATES) - usize::from(!edges.is_empty());
     for (at, (leaf, sides)) in edges.iter().take(CANDIDATES).enumerate() {
-        if coder.bit(&mut models.candidates[open(sides) - 1][at], *leaf == third)? {
+        if coder.bit(&mut models.candidates[open(sides) - 1][crowd][at], *leaf == third)? {
             return Ok(*leaf);
         }
     }
@@ -480,7 +481,9 @@ fn code_numbers<C: Coder>(
             let expected =
                 if kind == Channel::Label { i64::from(old[channel]) } else { sums[channel] as i64 };
             let number = record.numbers.get(at * channels + channel).copied().unwrap_or(0);
-            let number = expected + coder.signed(model, i64::from(number) - expected)?;
+            // Away from the old vertex counts as up: surfaces bend alike.
+            let sign = if expected < i64::from(old[channel]) { -1 } else { 1 };
+            let number = expected + sign * coder.signed(model, sign * (i64::from(number) - expected))?;
             let number = u32::try_from(number).ok().filter(|&number| number <= kind.largest());
             let number = number.ok_or(Damage("a scalar is out of range"))?;
             if C::READS {

@@ -13,7 +13,6 @@ pub(super) struct Starts {
     levels: Vec<Vec<u64>>,
     /// Per number in the set, its vertex.
     vertices: Vec<u32>,
-    len: usize,
 }
 
 impl Starts {
@@ -27,24 +26,19 @@ impl Starts {
             }
             words = words.div_ceil(64);
         }
-        Self { levels, vertices: vec![0; count], len: 0 }
-    }
-
-    pub fn len(&self) -> usize {
-        self.len
+        Self { levels, vertices: vec![0; count] }
     }
 
     /// Adds a number, or gives it another vertex.
     pub fn insert(&mut self, number: u32, vertex: u32) {
         self.vertices[number as usize] = vertex;
         let mut at = number as usize;
-        for (height, level) in self.levels.iter_mut().enumerate() {
+        for level in &mut self.levels {
             let word = &mut level[at / 64];
             let bit = 1 << (at % 64);
             if *word & bit != 0 {
                 return;
             }
-            self.len += usize::from(height == 0);
             let was_empty = *word == 0;
             *word |= bit;
             if !was_empty {
@@ -57,13 +51,12 @@ impl Starts {
     /// Removes a number.
     pub fn remove(&mut self, number: u32) {
         let mut at = number as usize;
-        for (height, level) in self.levels.iter_mut().enumerate() {
+        for level in &mut self.levels {
             let word = &mut level[at / 64];
             let bit = 1 << (at % 64);
             if *word & bit == 0 {
                 return;
             }
-            self.len -= usize::from(height == 0);
             *word &= !bit;
             if *word != 0 {
                 return;
@@ -92,7 +85,8 @@ impl Starts {
     }
 
     pub fn memory(&self) -> usize {
-        self.levels.iter().map(|level| size_of_val(&level[..])).sum::<usize>() + size_of_val(&self.vertices[..])
+        self.levels.iter().map(|level| size_of_val(&level[..])).sum::<usize>()
+            + size_of_val(&self.vertices[..])
     }
 }
 
@@ -117,7 +111,6 @@ mod tests {
                 map.remove(&last);
             }
             assert_eq!(starts.up_to(number), map.range(..=number).next_back().map(|(_, &vertex)| vertex));
-            assert_eq!(starts.len(), map.len());
         }
     }
 }

@@ -1,0 +1,139 @@
+//! Promise: a client's limits hold after every packet; what it has does not come again; a new view is heeded at once.
+
+use multires::hierarchy::VertexHierarchy;
+use multires::mesh::shapes;
+use multires::prelude::*;
+use multires::stream::{Client, ClientOptions, Server, StreamError, StreamOptions};
+
+use crate::sent::{client, content, exchange, view};
+
+fn server(triangles: u32) -> Server {
+    Server::new(&VertexHierarchy::bake(&shapes::rock(triangles, 1)).unwrap(), &StreamOptions::default())
+        .unwrap()
+}
+
+#[test]
+fn a_limit_of_triangles_holds_after_every_packet() {
+    let server = server(4_000);
+    for limit in [0, 100, 1_000, 2_000] {
+        let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+        let mut options = LodOptions::default();
+        options.triangles = Some(limit);
+        client.set_options(&options).unwrap();
+        let most = limit.max(server.model().structure().base_triangle_count());
+        for step in 0..20 {
+            let angle = step as f32 * 0.5;
+            client.adapt(&[view([2.0 * angle.cos(), 0.3, 2.0 * angle.sin()], 0.3)], 0.0);
+            exchange(&mut session, &mut client, 400, |client, _| assert!(client.triangles(0).len() <= most));
+        }
+        // Near the limit: a split brings a few triangles.
+        assert!(
+            limit < 100 || client.triangles(0).len() + 20 > limit,
+            "{} of {limit}",
+            client.triangles(0).len()
+        );
+    }
+}
+
+/// The coarsest level comes first, and the most urgent splits of a level first.
+#[test]
+fn levels_come_coarse_first() {
+    let server = server(4_000);
+    let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+    client.adapt(&[view([0.0, 0.3, 2.0], 0.5)], 0.0);
+    let local = server.model();
+    let mut counts = Vec::new();
+    exchange(&mut session, &mut client, 500, |client, _| counts.push(client.triangles(0).len()));
+    assert!(counts.is_sorted() && counts.len() > 10, "{counts:?}");
+    // Half way, the surface is everywhere better than at the start: a level of as many triangles is near.
+    assert!(counts[counts.len() / 2] > local.structure().base_triangle_count());
+}
+
+#[test]
+fn what_is_there_does_not_come_again() {
+    let server = server(4_000);
+    let (mut session, mut other) = (server.session(), client(ClientOptions::default()));
+    let eye = |step: usize| [0.4 * (step as f32 * 0.1).sin(), 0.3, 1.6];
+    let mut bytes = Vec::new();
+    for step in 0..60 {
+        other.adapt(&[view(eye(step), 1.0)], 0.0);
+        bytes.push(exchange(&mut session, &mut other, 4_000, |_, _| {}));
+    }
+    let later: usize = bytes[1..].iter().sum();
+    assert!(later < 10 * bytes[0], "{bytes:?}");
+    // The same view again costs nothing.
+    assert_eq!(exchange(&mut session, &mut other, 4_000, |_, _| {}), 0);
+    assert!(session.counts().cached > 0);
+    // A cache takes its share of what would come again.
+    let (mut session, mut bare) = (server.session(), client(ClientOptions::default().with_cache_share(0.0)));
+    let mut without = 0;
+    for step in 0..60 {
+        bare.adapt(&[view(eye(step), 1.0)], 0.0);
+        without += exchange(&mut session, &mut bare, 4_000, |_, _| {});
+    }
+    assert!(bytes.iter().sum::<usize>() < without);
+    assert!(content(&bare.to_mesh()) == content(&other.to_mesh()));
+}
+
+#[test]
+fn a_new_view_is_heeded_at_the_next_packet() {
+    let server = server(6_000);
+    let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+    client.adapt(&[view([0.0, 0.3, 1.5], 0.2)], 0.0);
+    for _ in 0..6 {
+        session.receive(&client.request()).unwrap();
+        client.receive(&session.packet(1_000).unwrap()).unwrap();
+    }
+    // From far away nothing of this is needed.
+    client.adapt(&[view([0.0, 0.3, 300.0], 1.0)], 0.0);
+    let bytes = exchange(&mut session, &mut client, 1_000, |_, _| {});
+    let mut lod =
+        server.model().instance(server.model().values(|_| [0_u8; 4]), &LodOptions::default()).unwrap();
+    lod.adapt(&[view([0.0, 0.3, 300.0], 1.0)], 0.0);
+    assert_eq!(client.triangles(0).len(), lod.triangles(0).len());
+    assert!(bytes < 3_000, "{bytes}");
+}
+
+#[test]
+fn a_client_may_keep_what_no_view_asks_for() {
+    let server = server(2_000);
+    let (mut session, mut client) = (server.session(), client(ClientOptions::default().with_keeps(true)));
+    let mut last = 0;
+    for eye in [[0.0, 0.3, 2.0], [0.0, 0.3, -2.0], [2.0, 0.3, 0.0], [0.0, 0.3, 50.0]] {
+        client.adapt(&[view(eye, 1.0)], 0.0);
+        exchange(&mut session, &mut client, 2_000, |_, _| {});
+        assert!(client.triangles(0).len() >= last);
+        last = client.triangles(0).len();
+    }
+    assert_eq!(session.counts().collapses, 0);
+}
+
+#[test]
+fn a_session_is_light() {
+    let server = server(20_000);
+    let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+    for step in 0..10 {
+        client.adapt(&[view([0.0, 0.3, 3.0 - 0.2 * step as f32], 1.0)], 0.0);
+        exchange(&mut session, &mut client, 8_000, |_, _| {});
+    }
+    let splits = server.model().structure().split_count();
+    // A bit a split, 4 bytes a place of the cache, models and a window.
+    assert!(session.memory() <= splits / 8 + splits / 4 + 40_000, "{} for {splits}", session.memory());
+    assert!(server.memory() <= 80 * server.model().structure().leaf_count());
+}
+
+#[test]
+fn options_out_of_range_are_named() {
+    let model = VertexHierarchy::bake(&shapes::rock(100, 1)).unwrap();
+    for bits in [0, 32] {
+        let options = StreamOptions::default().with_attribute_bits(Some(bits));
+        let error = Server::new(&model, &options).unwrap_err();
+        assert!(matches!(error, StreamError::OutOfRange { option: "attribute_bits", .. }));
+    }
+    // A client takes no more than it says.
+    let server = server(2_000);
+    let mut session = server.session();
+    let mut small = Client::new(ClientOptions::default().with_most(1_000), |vertex| vertex.position());
+    session.receive(&small.request()).unwrap();
+    assert!(matches!(small.receive(&session.packet(1_000).unwrap()), Err(StreamError::TooLarge { .. })));
+}
