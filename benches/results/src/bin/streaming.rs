@@ -1,7 +1,7 @@
 //! Sends models to clients that have nothing, and counts.
 //!
 //! ```text
-//! cargo run --release -p multires-results --bin streaming                  a model that the crate makes itself
+//! cargo run --release -p multires-results --bin streaming [-- --triangles N]   a model that the crate makes itself, of 100,000
 //! cargo run --release -p multires-results --bin streaming -- FILE... [--sessions N] [--out DIR]
 //! ```
 //!
@@ -17,6 +17,7 @@
 //! collapses too (Southern, Fig. 5.6).
 
 use std::error::Error;
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
@@ -33,7 +34,7 @@ use multires_results::chart::{self, Panel};
 use multires_results::flight::{self, VIEWPORT};
 use multires_results::say::{grouped, name_file};
 
-const USAGE: &str = "usage: streaming [FILE...] [--sessions N] [--out DIR]";
+const USAGE: &str = "usage: streaming [FILE...] [--triangles N] [--sessions N] [--out DIR]";
 
 type Positions = Client<[f32; 3], fn(StreamVertex<'_>) -> [f32; 3]>;
 
@@ -232,14 +233,18 @@ fn sessions(
     Ok(())
 }
 
+fn number(argument: Option<OsString>) -> Result<usize, Box<dyn Error>> {
+    Ok(argument.and_then(|n| n.to_str()?.parse().ok()).ok_or(USAGE)?)
+}
+
 fn run() -> Result<(), Box<dyn Error>> {
-    let (mut files, mut count, mut out) = (Vec::new(), 100, PathBuf::from("target/streaming"));
+    let (mut files, mut count, mut triangles) = (Vec::new(), 100, 100_000);
+    let mut out = PathBuf::from("target/streaming");
     let mut arguments = std::env::args_os().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.to_str() {
-            Some("--sessions") => {
-                count = arguments.next().and_then(|n| n.to_str()?.parse().ok()).ok_or(USAGE)?;
-            }
+            Some("--sessions") => count = number(arguments.next())?,
+            Some("--triangles") => triangles = number(arguments.next())?,
             Some("--out") => out = arguments.next().ok_or(USAGE)?.into(),
             Some(text) if text.starts_with("--") => return Err(USAGE.into()),
             _ => files.push(PathBuf::from(argument)),
@@ -247,7 +252,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     }
     let mut models = Vec::new();
     if files.is_empty() {
-        models.push(("a rock".to_owned(), shapes::rock(100_000, 1)));
+        models.push(("a rock".to_owned(), shapes::rock(triangles as u32, 1)));
     }
     for file in &files {
         let mesh = io::read(file).map_err(|error| name_file(file, &error))?;
