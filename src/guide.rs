@@ -11,6 +11,7 @@
 //! | [`wavelet`] | wavelets on meshes made by subdivision |
 //! | [`remeshing`] | any mesh as one made by subdivision, and points that go both ways |
 //! | [`many_objects`] | a scene within a frame time or a number of triangles |
+//! | [`stream`] | a model that lies elsewhere, over a line |
 //! | [`engine`] | what a frame does, and where backends differ |
 //! | [`quality`] | measuring what a level has lost |
 
@@ -28,6 +29,7 @@ macro_rules! chapter {
         #[doc = "[wavelet]: crate::guide::wavelet"]
         #[doc = "[remeshing]: crate::guide::remeshing"]
         #[doc = "[many_objects]: crate::guide::many_objects"]
+        #[doc = "[stream]: crate::guide::stream"]
         #[doc = "[engine]: crate::guide::engine"]
         #[doc = "[quality]: crate::guide::quality"]
         #[doc = ""]
@@ -45,5 +47,6 @@ chapter!(hierarchy, "hierarchy.md");
 chapter!(wavelet, "wavelet.md");
 chapter!(remeshing, "remeshing.md");
 chapter!(many_objects, "many_objects.md");
+chapter!(stream, "stream.md");
 chapter!(engine, "engine.md");
 chapter!(quality, "quality.md");

@@ -76,7 +76,7 @@
 //! | [`prelude`] | names used by most programs; [`Error`], to which every error of the crate converts |
 //!
 //! Chapters to read at leisure are in the module `guide` (in the repository `docs/guide`): input, simplification, when it gets
-//! stuck, the three structures, many objects, a frame of an engine,
+//! stuck, the three structures, many objects, models over a line, a frame of an engine,
 //! measuring. Reasons for the design are in `docs/architecture.md`, figures
 //! in `docs/performance.md`.
 //!
@@ -110,7 +110,7 @@ pub mod control;
 pub mod error;
 mod geometry;
 pub mod gmesh;
-#[cfg(all(any(doc, doctest), feature = "io", feature = "quality"))]
+#[cfg(all(any(doc, doctest), feature = "io", feature = "quality", feature = "stream"))]
 pub mod guide;
 pub mod hierarchy;
 #[cfg(feature = "io")]

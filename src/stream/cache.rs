@@ -12,47 +12,41 @@ const WAYS: usize = 4;
 /// Marks a free place.
 const FREE: u32 = u32::MAX;
 
-/// Keys of splits, with something of each.
+/// Keys of splits.
 #[derive(Debug, Clone)]
-pub(super) struct Cache<T> {
-    keys: Vec<[u32; WAYS]>,
-    items: Vec<[T; WAYS]>,
+pub(super) struct Cache {
+    sets: Vec<[u32; WAYS]>,
 }
 
-impl<T: Default> Cache<T> {
+impl Cache {
     /// Creates an empty cache of at least so many places; 0 for none.
     pub fn new(places: usize) -> Self {
-        let sets = places.div_ceil(WAYS);
-        Self { keys: vec![[FREE; WAYS]; sets], items: (0..sets).map(|_| Default::default()).collect() }
+        Self { sets: vec![[FREE; WAYS]; places.div_ceil(WAYS)] }
     }
 
-    fn set(&self, key: u32) -> Option<usize> {
-        let sets = self.keys.len() as u64;
-        mix(key.into()).checked_rem(sets).map(|set| set as usize)
+    fn set(&mut self, key: u32) -> Option<&mut [u32; WAYS]> {
+        let sets = self.sets.len() as u64;
+        mix(key.into()).checked_rem(sets).map(|set| &mut self.sets[set as usize])
     }
 
-    /// Puts an item in. The oldest of its set falls out.
-    pub fn put(&mut self, key: u32, item: T) {
-        if let Some(set) = self.set(key) {
-            self.keys[set].rotate_right(1);
-            self.items[set].rotate_right(1);
-            self.keys[set][0] = key;
-            self.items[set][0] = item;
-        }
+    /// Puts a key in. Returns the key that falls out: the oldest of its set, or, without places, the key itself.
+    pub fn put(&mut self, key: u32) -> Option<u32> {
+        let Some(set) = self.set(key) else { return Some(key) };
+        set.rotate_right(1);
+        Some(std::mem::replace(&mut set[0], key)).filter(|&oldest| oldest != FREE)
     }
 
-    /// Takes an item out.
-    pub fn take(&mut self, key: u32) -> Option<T> {
-        let set = self.set(key)?;
-        let at = self.keys[set].iter().position(|&found| found == key)?;
-        self.keys[set][at..].rotate_left(1);
-        self.items[set][at..].rotate_left(1);
-        self.keys[set][WAYS - 1] = FREE;
-        Some(std::mem::take(&mut self.items[set][WAYS - 1]))
+    /// Takes a key out. Returns whether it was in.
+    pub fn take(&mut self, key: u32) -> bool {
+        let Some(set) = self.set(key) else { return false };
+        let Some(at) = set.iter().position(|&found| found == key) else { return false };
+        set[at..].rotate_left(1);
+        set[WAYS - 1] = FREE;
+        true
     }
 
-    /// Bytes of the places, without what items hold.
+    /// Bytes of the places.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.keys[..]) + size_of_val(&self.items[..])
+        size_of_val(&self.sets[..])
     }
 }

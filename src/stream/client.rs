@@ -1,5 +1,7 @@
 //! What a client draws of a model that lies elsewhere.
 
+use std::collections::BTreeMap;
+
 use crate::adapt::{Change, DirtyRanges};
 use crate::lod::{Draws, Lod, LodError, LodOptions, Uploads, Vertex, VertexBuffer};
 use crate::mesh::{Mesh, NONE};
@@ -7,7 +9,7 @@ use crate::view::ObjectView;
 
 use super::cache::Cache;
 use super::coder::{Coder, Reader};
-use super::error::StreamError;
+use super::error::{Damage, StreamError};
 use super::header::Header;
 use super::keys::code_keys;
 use super::packet::{self, Kind};
@@ -134,7 +136,9 @@ pub struct Client<V, F> {
     told: Option<(u32, u32, Wish)>,
     header: Header,
     received: Received,
-    cache: Cache<Record>,
+    cache: Cache,
+    /// The splits in the cache.
+    cached: BTreeMap<u32, Record>,
     models: Box<Models>,
     /// Runs of the coarsest vertices.
     base: Vec<[u32; 2]>,
@@ -163,6 +167,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             header: Header::default(),
             received: Received::new(0, 1, 3),
             cache: Cache::new(0),
+            cached: BTreeMap::new(),
             models: Box::new(Models::new(3)),
             base: Vec::new(),
             base_triangles: 0,
@@ -259,6 +264,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
         self.header = Header::default();
         self.received = Received::new(0, 1, 3);
         self.cache = Cache::new(0);
+        self.cached.clear();
         self.base.clear();
         self.base_triangles = 0;
         self.drawn.clear();
@@ -271,7 +277,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             return Err(StreamError::TooLarge { what: "vertices or triangles" });
         }
         let places = (f64::from(self.options.cache_share) * f64::from(header.splits)).ceil();
-        if header.places as f64 > places || header.splits > 2 * header.leaves {
+        if header.places as f64 > places || header.splits / 2 > header.leaves {
             return Err(StreamError::Damaged { what: "the cache is larger than asked for" });
         }
         self.received = Received::new(header.leaves, header.materials.len().max(1), header.layout.len());
@@ -304,12 +310,17 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
                         if kind == COLLAPSES {
                             let mut record = Record::default();
                             if self.received.collapse(key, &mut record)? {
-                                self.cache.put(key, record);
+                                self.cached.insert(key, record);
+                                if let Some(oldest) = self.cache.put(key) {
+                                    self.cached.remove(&oldest);
+                                }
                             }
                             receipt.collapses += 1;
                             continue;
                         }
-                        if let Some(record) = self.cache.take(key) {
+                        if self.cache.take(key) {
+                            let record =
+                                self.cached.remove(&key).ok_or(Damage("the cache has lost a split"))?;
                             self.received.split(&record)?;
                             receipt.cached += 1;
                         } else {
@@ -325,7 +336,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
                         }
                         receipt.splits += 1;
                     }
-                    if self.received.vertices() > 3 * self.options.most
+                    if self.received.vertices() > self.options.most.saturating_mul(3)
                         || self.received.surface.triangle_count() > self.options.most
                     {
                         return Err(StreamError::TooLarge { what: "vertices or triangles" });
@@ -411,6 +422,14 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
     /// Returns the number of triangles of the model at full resolution; 0 before the first packet.
     pub fn full_triangles(&self) -> usize {
         self.header.triangles as usize
+    }
+
+    /// Whether the mesh is the full resolution.
+    pub fn is_complete(&self) -> bool {
+        self.stream != 0
+            && self.base_triangles == self.header.base_triangles as usize
+            && self.base.len() == self.header.base_vertices as usize
+            && self.received.splits() == self.header.splits as usize
     }
 
     /// Returns the smallest and largest corner of the box around the model, object units; `None` before the first packet.
@@ -523,6 +542,11 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for Client<V, F> {
     }
 
     fn memory(&self) -> usize {
-        self.received.memory() + self.cache.memory() + self.models.memory() + size_of_val(&self.drawn[..])
+        let records: usize = self.cached.values().map(Record::memory).sum();
+        self.received.memory()
+            + records
+            + self.cache.memory()
+            + self.models.memory()
+            + size_of_val(&self.drawn[..])
     }
 }

@@ -20,6 +20,7 @@
 //! | `client.rs` | [`Client`]: what a client draws |
 //! | `received.rs` | vertices, splits and triangles that arrived, and their mesh |
 //! | `starts.rs` | which drawn vertex a leaf belongs to |
+//! | `prefix.rs` | a file of which every beginning is a coarser mesh |
 //! | `record.rs` | a split on the wire, written and read by one text |
 //! | `channels.rs` | the scalars of a vertex as whole numbers |
 //! | `keys.rs` | sets of splits on the wire |
@@ -39,6 +40,7 @@ mod header;
 mod keys;
 mod packet;
 mod plan;
+mod prefix;
 mod received;
 mod record;
 mod request;
@@ -49,6 +51,7 @@ mod tables;
 
 pub use client::{Client, ClientOptions, Receipt, StreamVertex};
 pub use error::StreamError;
-pub use packet::{VERSION, message_length};
+pub use packet::{VERSION, message_length, stream_of};
+pub use prefix::{Prefix, read_prefix, write_prefix};
 pub use server::{Server, StreamOptions};
 pub use session::{Session, SessionCounts};

@@ -115,6 +115,21 @@ pub fn message_length(bytes: &[u8]) -> Result<Option<usize>, StreamError> {
     if length > MOST { Err(StreamError::NoMessage { what: "it is too long" }) } else { Ok(Some(length)) }
 }
 
+/// Returns the number of the stream of a request: to find the [`Session`](super::Session) of a client that comes back. 0 if the client has none.
+///
+/// ```
+/// use multires::stream::{Client, ClientOptions, stream_of};
+///
+/// let mut client = Client::new(ClientOptions::default(), |vertex| vertex.position());
+/// assert_eq!(stream_of(&client.request()), Ok(0));
+/// ```
+///
+/// # Errors
+/// The bytes are no request, or damaged.
+pub fn stream_of(request: &[u8]) -> Result<u32, StreamError> {
+    open(Kind::Request, request).map(|frame| frame.stream)
+}
+
 /// Returns a number at an offset known to exist.
 fn number(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])

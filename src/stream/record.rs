@@ -80,6 +80,15 @@ impl Record {
         self.firsts[0]
     }
 
+    /// Bytes of the record.
+    pub fn memory(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(&self.firsts[..])
+            + size_of_val(&self.numbers[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.groups[..])
+    }
+
     /// Empties the record, but for a key.
     pub fn start(&mut self, key: u32) {
         self.firsts.clear();

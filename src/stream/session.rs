@@ -51,7 +51,7 @@ pub struct Session {
     has: Bits,
     splits: usize,
     triangles: usize,
-    cache: Cache<()>,
+    cache: Cache,
     models: Box<Models>,
     wish: Wish,
     /// Base vertices and base triangles sent.
@@ -339,7 +339,7 @@ impl Session {
         let groups = shared.header.materials.len().max(1);
         let mut sent = 0;
         for (key, split) in keyed {
-            if self.cache.take(key).is_some() {
+            if self.cache.take(key) {
                 self.counts.cached += 1;
             } else {
                 record_of(shared.of(), &shared.numbers, shared.channels(), split, &mut self.record);
@@ -361,7 +361,7 @@ impl Session {
             let shared = of(self);
             let of: &VertexHierarchy = shared.of();
             if Tables::is_keyed(of, split) {
-                self.cache.put(key, ());
+                self.cache.put(key);
             }
             self.has.remove(split);
             self.triangles -= of.owned(split).len();
@@ -369,6 +369,11 @@ impl Session {
         self.splits -= set.len();
         self.counts.collapses += set.len();
         Ok(set.len())
+    }
+
+    /// Returns the number of the stream: what requests of a client that knows the stream begin with ([`stream_of`](super::stream_of)).
+    pub fn stream(&self) -> u32 {
+        self.stream
     }
 
     /// Whether the client has been sent all that its last request asks for.

@@ -1,66 +1,91 @@
 //! The first leaves of drawn vertices: which vertex does a leaf belong to?
 //!
 //! ```text
-//!     level 2   1 bit for 64 words        a set as words of 64 bits, and words that tell which words are not empty:
-//!     level 1   1 bit a word              the last number up to another is found in a step a level
-//!     level 0   1 bit a leaf
+//!     page      4,096 leaves: a bit and a vertex for each, and a bit for each word of 64 that is not empty
+//!     levels    a bit for each page that is not empty, a bit for each word of those ...
 //! ```
+//!
+//! The last number up to another is found in a step a level. A page takes memory once a number of it comes, so that a client
+//! that is told of many leaves has taken nothing yet.
 
-/// A map from numbers below a count to vertices, with the last number up to any other in a few steps. Memory is taken as it is
-/// touched, on systems where zeroed memory is.
+/// Words of a page.
+const WORDS: usize = 64;
+const PAGE: usize = 64 * WORDS;
+
+#[derive(Debug, Clone)]
+struct Page {
+    /// The words that are not empty.
+    words: u64,
+    bits: [u64; WORDS],
+    vertices: [u32; PAGE],
+}
+
+/// A map from numbers below a count to vertices, with the last number up to any other in a few steps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Starts {
+    pages: Vec<Option<Box<Page>>>,
+    /// Pages that are not empty, by levels of words.
     levels: Vec<Vec<u64>>,
-    /// Per number in the set, its vertex.
-    vertices: Vec<u32>,
+}
+
+/// Returns the highest bit of a word up to a bit.
+#[inline]
+fn highest(word: u64, up_to: usize) -> Option<usize> {
+    (word & (u64::MAX >> (63 - up_to))).checked_ilog2().map(|bit| bit as usize)
 }
 
 impl Starts {
     pub fn new(count: usize) -> Self {
+        let pages = count.div_ceil(PAGE);
         let mut levels = Vec::new();
-        let mut words = count.div_ceil(64);
-        loop {
-            levels.push(vec![0; words]);
-            if words <= 1 {
-                break;
-            }
+        let mut words = pages;
+        while words > 1 || levels.is_empty() {
             words = words.div_ceil(64);
+            levels.push(vec![0; words]);
         }
-        Self { levels, vertices: vec![0; count] }
+        Self { pages: vec![None; pages], levels }
     }
 
     /// Adds a number, or gives it another vertex.
     pub fn insert(&mut self, number: u32, vertex: u32) {
-        self.vertices[number as usize] = vertex;
-        let mut at = number as usize;
+        let (page, at) = (number as usize / PAGE, number as usize % PAGE);
+        let empty = || Box::new(Page { words: 0, bits: [0; WORDS], vertices: [0; PAGE] });
+        let found = self.pages[page].get_or_insert_with(empty);
+        found.vertices[at] = vertex;
+        found.bits[at / 64] |= 1 << (at % 64);
+        let was_empty = found.words == 0;
+        found.words |= 1 << (at / 64);
+        let mut at = page;
+        let mut go_on = was_empty;
         for level in &mut self.levels {
+            if !go_on {
+                return;
+            }
             let word = &mut level[at / 64];
-            let bit = 1 << (at % 64);
-            if *word & bit != 0 {
-                return;
-            }
-            let was_empty = *word == 0;
-            *word |= bit;
-            if !was_empty {
-                return;
-            }
+            go_on = *word == 0;
+            *word |= 1 << (at % 64);
             at /= 64;
         }
     }
 
     /// Removes a number.
     pub fn remove(&mut self, number: u32) {
-        let mut at = number as usize;
+        let (page, at) = (number as usize / PAGE, number as usize % PAGE);
+        let Some(found) = &mut self.pages[page] else { return };
+        found.bits[at / 64] &= !(1 << (at % 64));
+        if found.bits[at / 64] != 0 {
+            return;
+        }
+        found.words &= !(1 << (at / 64));
+        let mut at = page;
+        let mut go_on = found.words == 0;
         for level in &mut self.levels {
+            if !go_on {
+                return;
+            }
             let word = &mut level[at / 64];
-            let bit = 1 << (at % 64);
-            if *word & bit == 0 {
-                return;
-            }
-            *word &= !bit;
-            if *word != 0 {
-                return;
-            }
+            *word &= !(1 << (at % 64));
+            go_on = *word == 0;
             at /= 64;
         }
     }
@@ -68,25 +93,37 @@ impl Starts {
     /// Returns the vertex of the last number up to another.
     #[inline]
     pub fn up_to(&self, number: u32) -> Option<u32> {
-        let mut at = number as usize;
-        for (height, level) in self.levels.iter().enumerate() {
-            let word = level.get(at / 64)? & (u64::MAX >> (63 - at % 64));
-            if word != 0 {
-                let mut found = at / 64 * 64 + (63 - word.leading_zeros() as usize);
-                for lower in self.levels[..height].iter().rev() {
-                    found = found * 64 + (63 - lower[found].leading_zeros() as usize);
-                }
-                return self.vertices.get(found).copied();
+        let (page, at) = (number as usize / PAGE, number as usize % PAGE);
+        if let Some(found) = self.pages.get(page)? {
+            let beside = highest(found.bits[at / 64], at % 64).map(|bit| at / 64 * 64 + bit);
+            let before = || {
+                let word = highest(found.words, (at / 64).checked_sub(1)?)?;
+                highest(found.bits[word], 63).map(|bit| word * 64 + bit)
+            };
+            if let Some(at) = beside.or_else(before) {
+                return Some(found.vertices[at]);
             }
-            // The words before this one.
+        }
+        let mut at = page.checked_sub(1)?;
+        for (height, level) in self.levels.iter().enumerate() {
+            if let Some(bit) = highest(level[at / 64], at % 64) {
+                let mut last = at / 64 * 64 + bit;
+                for lower in self.levels[..height].iter().rev() {
+                    last = last * 64 + highest(lower[last], 63)?;
+                }
+                let found = self.pages[last].as_ref()?;
+                let word = highest(found.words, 63)?;
+                return highest(found.bits[word], 63).map(|bit| found.vertices[word * 64 + bit]);
+            }
             at = (at / 64).checked_sub(1)?;
         }
         None
     }
 
     pub fn memory(&self) -> usize {
-        self.levels.iter().map(|level| size_of_val(&level[..])).sum::<usize>()
-            + size_of_val(&self.vertices[..])
+        let pages = self.pages.iter().flatten().count() * size_of::<Page>();
+        let levels: usize = self.levels.iter().map(|level| size_of_val(&level[..])).sum();
+        pages + levels + size_of_val(&self.pages[..])
     }
 }
 
@@ -97,10 +134,10 @@ mod tests {
 
     #[test]
     fn is_a_sorted_map() {
-        let count = 70_000;
+        let count = 700_000;
         let (mut starts, mut map) = (Starts::new(count), BTreeMap::new());
         let mut state = 1_u64;
-        for round in 0..20_000_u32 {
+        for round in 0..30_000_u32 {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let number = ((state >> 33) % count as u64) as u32;
             if state >> 60 < 9 {

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::sent::{check_buffers, client, view};
 
-/// The checksum of a message, as docs/format.md says: for a forger who knows it.
+/// The checksum of a message, as docs/wire.md says: for a forger who knows it.
 fn forge(bytes: &mut [u8]) {
     if bytes.len() < 32 {
         return;

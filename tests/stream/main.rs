@@ -7,4 +7,5 @@ mod sent;
 mod faults;
 mod hostile;
 mod limits;
+mod prefix;
 mod same_cut;
