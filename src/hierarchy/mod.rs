@@ -51,6 +51,6 @@ pub use error::HierarchyError;
 pub use instance::HierarchyLod;
 pub use parts::HierarchyParts;
 pub use surface::CutSurface;
-#[cfg_attr(not(feature = "stream"), allow(unused_imports))]
+#[cfg(feature = "stream")]
 pub(crate) use surface::SplitSource;
 pub use vertex_hierarchy::VertexHierarchy;

@@ -16,6 +16,7 @@ impl Packed {
     }
 
     /// Makes room for vertices of numbers below `vertices`.
+    #[cfg(feature = "stream")]
     pub fn reach(&mut self, vertices: usize) {
         if self.slot_of.len() < vertices {
             self.slot_of.resize(vertices, NONE);

@@ -56,6 +56,7 @@ impl CornerStars {
     }
 
     /// Makes room for vertices of numbers below `vertices`.
+    #[cfg(feature = "stream")]
     pub fn reach(&mut self, vertices: usize) {
         if self.runs.len() < vertices {
             self.runs.resize(vertices, Run::EMPTY);

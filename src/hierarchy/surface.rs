@@ -142,6 +142,7 @@ impl CutSurface {
     }
 
     /// Creates an empty mesh, with packed vertices.
+    #[cfg(feature = "stream")]
     pub(crate) fn empty(groups: usize) -> Self {
         let output = Output {
             place: Vec::new(),
@@ -152,6 +153,7 @@ impl CutSurface {
     }
 
     /// Makes room for vertices and triangles of numbers up to these.
+    #[cfg(feature = "stream")]
     pub(crate) fn reach(&mut self, vertices: usize, triangles: usize) {
         let Self { stars, output, .. } = self;
         stars.reach(vertices);
@@ -335,7 +337,7 @@ impl CutSurface {
     }
 
     /// Returns the corners around a vertex that are a leaf's: `3 * triangle + k`.
-    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    #[cfg(feature = "stream")]
     pub(crate) fn star_of_leaf(&self, vertex: u32, leaf: u32) -> impl Iterator<Item = u32> {
         self.stars.of(vertex).iter().filter(move |entry| entry[1] == leaf).map(|entry| entry[0])
     }

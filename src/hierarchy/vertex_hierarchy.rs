@@ -177,19 +177,19 @@ impl VertexHierarchy {
     }
 
     /// Returns the vertices brought by a split, in the order of the collapse.
-    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    #[cfg(feature = "stream")]
     pub(crate) fn brings(&self, split: u32) -> &[u32] {
         self.brings.get(split)
     }
 
     /// Returns the vertex that takes a vertex's place, or the vertex itself if it is never removed.
-    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    #[cfg(feature = "stream")]
     pub(crate) fn substitute(&self, vertex: u32) -> u32 {
         self.substitute[vertex as usize]
     }
 
     /// Returns the split that brings a vertex; `NONE` if it is never removed.
-    #[cfg_attr(not(feature = "stream"), allow(dead_code))]
+    #[cfg(feature = "stream")]
     pub(crate) fn split_of(&self, vertex: u32) -> u32 {
         self.split_of[vertex as usize]
     }

@@ -258,11 +258,12 @@ pub(super) struct Reader(RangeDecoder<u32, u64, Cursor<u32, Vec<u32>>>);
 impl Reader {
     /// Starts at the first of the bytes; their number must be a multiple of 4.
     pub fn new(bytes: &[u8]) -> Result<Self, Damage> {
-        let (words, rest) = bytes.as_chunks::<4>();
-        if !rest.is_empty() {
+        let words = bytes.chunks_exact(4);
+        if !words.remainder().is_empty() {
             return Err(Damage("the content is no whole number of words"));
         }
-        let words: Vec<u32> = words.iter().map(|&word| u32::from_le_bytes(word)).collect();
+        let words: Vec<u32> =
+            words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
         // A cursor over a vector never fails.
         RangeDecoder::from_compressed(words).map(Self).map_err(|_| Damage("the content cannot be read"))
     }

@@ -154,8 +154,7 @@ impl Plan {
         self.heap.extend(of.roots().map(key));
         let mut triangles = of.base_triangle_count();
         while let Some(next) = self.heap.pop() {
-            // Also ends at what is not a number.
-            if !(next.urgency > 1.0) {
+            if next.urgency <= 1.0 || next.urgency.is_nan() {
                 break;
             }
             if self.wanted.has(next.split) {
