@@ -8,6 +8,7 @@
 //! multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1] [--samples 40000]
 //!                     [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0] [--json]
 //! multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]
+//! multires-peers codec MODEL...
 //! ```
 //!
 //! | file | idea |
@@ -19,6 +20,7 @@
 //! | `fly.rs` | frames along a path: cluster selection beside vertex hierarchies |
 //! | `fly_options.rs`, `fly_report.rs` | its arguments, its tables |
 //! | `game/` | models with seams, materials and cards: what they look like afterwards, and how far down they go |
+//! | `codec.rs` | bytes of a whole mesh: a codec beside a stream of splits |
 //! | `clod.rs` | meshoptimizer's cluster hierarchy and its selection |
 //! | `path.rs` | where the eye goes |
 //! | `statistics.rs` | medians and percentiles |
@@ -28,6 +30,7 @@
 
 mod clock;
 mod clod;
+mod codec;
 mod contender;
 mod fly;
 mod fly_options;
@@ -51,7 +54,8 @@ const USAGE: &str =
        multires-peers game MODEL... [--generated] [--percent 50,25,10] [--only NAME,...] [--runs 1]
                            [--samples 40000] [--weights NORMAL,SLIDE,COLOUR] [--out DIR] [--view 0]
                            [--json]
-       multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]";
+       multires-peers reach FOLDER... [--percent 5] [--least 200] [--json]
+       multires-peers codec MODEL...";
 
 /// What to measure, and how often.
 struct Options {
@@ -88,6 +92,7 @@ enum Command {
     Fly(fly_options::Options),
     Game(game::Options),
     Reach(game::reach::Options),
+    Codec(Vec<PathBuf>),
 }
 
 fn main() -> ExitCode {
@@ -97,6 +102,10 @@ fn main() -> ExitCode {
         Some("fly") => fly_options::Options::parse(arguments).map(Command::Fly),
         Some("game") => game::Options::parse(arguments).map(Command::Game),
         Some("reach") => game::reach::Options::parse(arguments).map(Command::Reach),
+        Some("codec") => match arguments.map(PathBuf::from).collect::<Vec<_>>() {
+            models if models.is_empty() => Err("name at least one model".to_owned()),
+            models => Ok(Command::Codec(models)),
+        },
         Some("--help" | "-h") => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
@@ -109,6 +118,9 @@ fn main() -> ExitCode {
         Ok(Command::Fly(options)) => fly::run(&options),
         Ok(Command::Game(options)) => game::run(&options),
         Ok(Command::Reach(options)) => game::reach::run(&options),
+        Ok(Command::Codec(models)) => {
+            read_all(&models).and_then(|inputs| codec::run(&inputs, &[10, 12, 14, 16]))
+        }
         Err(reason) => {
             eprintln!("multires-peers: {reason}\n{USAGE}");
             return ExitCode::from(2);
@@ -123,11 +135,13 @@ fn main() -> ExitCode {
     }
 }
 
+fn read_all(models: &[PathBuf]) -> Result<Vec<input::Input>, Box<dyn Error>> {
+    let read = |path: &PathBuf| input::read(path).map_err(|e| format!("{}: {e}", path.display()).into());
+    models.iter().map(read).collect()
+}
+
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
-    let mut inputs = Vec::new();
-    for path in &options.models {
-        inputs.push(input::read(path).map_err(|e| format!("{}: {e}", path.display()))?);
-    }
+    let mut inputs = read_all(&options.models)?;
     if options.generated {
         inputs.extend(input::generated(options.grid)?);
     }
