@@ -122,6 +122,8 @@ pub mod progressive;
 #[cfg(feature = "quality")]
 pub mod quality;
 pub mod remesh;
+#[cfg(feature = "io")]
+mod sections;
 pub mod sequence;
 pub mod simplify;
 #[cfg(feature = "stream")]

@@ -7,6 +7,10 @@
 //!
 //! Built by counting, prefix sum and filling.
 
+use std::borrow::Cow;
+
+use super::array::Array;
+
 /// Marks "none" in every index array of this crate.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -20,13 +24,14 @@ pub(crate) fn prefix_sum(start: &mut [u32]) {
     }
 }
 
-/// Lists in a single array: entries of list `i` are `items[start[i]..start[i + 1]]`.
+/// Lists in a single array: entries of list `i` are `items[start[i]..start[i + 1]]`. If all lists are empty, `start` may be
+/// empty.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Lists {
     /// Start of every list, and the end of the last.
-    pub start: Vec<u32>,
+    pub start: Array<u32>,
     /// Items of all lists.
-    pub items: Vec<u32>,
+    pub items: Array<u32>,
 }
 
 impl Lists {
@@ -42,7 +47,25 @@ impl Lists {
             items[*slot as usize] = item;
             *slot += 1;
         }
-        Self { start, items }
+        Self { start: start.into(), items: items.into() }
+    }
+
+    /// Makes lists of items and starts. Drops the starts if there are no items.
+    pub fn of(start: Vec<u32>, items: Vec<u32>) -> Self {
+        if items.is_empty() { Self::default() } else { Self { start: start.into(), items: items.into() } }
+    }
+
+    /// Returns the starts of `lists` lists and the end of the last.
+    pub fn starts(&self, lists: usize) -> Cow<'_, [u32]> {
+        if self.start.is_empty() { vec![0; lists + 1].into() } else { Cow::Borrowed(&self.start) }
+    }
+
+    /// Returns the lists from item to list: list `i` names, ascending, the lists that name `i`. O(lists + items).
+    pub fn transposed(&self, lists: usize) -> Self {
+        let pairs = self.start.windows(2).zip(0_u32..).flat_map(|(ends, list)| {
+            self.items[ends[0] as usize..ends[1] as usize].iter().map(move |&item| (item, list))
+        });
+        Self::from_pairs(lists, pairs)
     }
 
     /// Returns the items of a list; none for a list that does not exist.

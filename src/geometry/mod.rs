@@ -2,6 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `array.rs` | an array, owned or within the bytes of a file |
 //! | `boxes.rs` | smallest and largest corner of points |
 //! | `triangle.rs` | a triangle: nearest point, distance, ray, angle and weights at a point |
 //! | `texture.rs` | a triangle in texture space: area and side |
@@ -10,11 +11,13 @@
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
 //! | `rounding.rs` | single precision, rounded up |
+//! | `range_minima.rs` | least number of a range |
 //! | `lists.rs` | lists in two flat arrays, by counting, prefix sum and filling |
 //! | `sets.rs` | disjoint sets |
 //! | `hash.rs` | hashes identical on every machine |
 //! | `parallel.rs` | loops over all cores, with results in order |
 
+pub(crate) mod array;
 pub(crate) mod boxes;
 #[cfg(feature = "quality")]
 pub(crate) mod bvh;
@@ -23,6 +26,7 @@ pub(crate) mod hash;
 pub(crate) mod lanes;
 pub(crate) mod lists;
 pub(crate) mod parallel;
+pub(crate) mod range_minima;
 pub(crate) mod rounding;
 pub(crate) mod sectors;
 pub(crate) mod segment;

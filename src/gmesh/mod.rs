@@ -63,6 +63,8 @@ mod morph;
 mod options;
 mod partition;
 mod parts;
+#[cfg(feature = "io")]
+mod sections;
 mod shader;
 mod shrink;
 mod structure;

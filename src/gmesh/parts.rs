@@ -37,20 +37,15 @@ pub struct GmeshParts {
 
 impl From<Gmesh> for GmeshParts {
     fn from(gmesh: Gmesh) -> Self {
-        let mut finest = Vec::with_capacity(gmesh.levels[0].triangles);
-        let mut group_ends = Vec::with_capacity(gmesh.groups());
-        for group in 0..gmesh.groups() {
-            finest.extend_from_slice(gmesh.triangles(0, group));
-            group_ends.push(finest.len() as u32);
-        }
+        let (triangles, group_ends) = gmesh.finest();
         Self {
             level_vertices: gmesh.levels.iter().map(|level| level.vertices as u32).collect(),
             level_errors: gmesh.levels.iter().map(|level| level.error).collect(),
             level_volumes: gmesh.levels.iter().map(|level| level.volume.unwrap_or(f64::NAN)).collect(),
-            targets: gmesh.targets,
-            triangles: finest,
+            targets: gmesh.targets.into_vec(),
+            triangles,
             group_ends,
-            material_ids: gmesh.material_ids,
+            material_ids: gmesh.material_ids.into_vec(),
         }
     }
 }
@@ -60,27 +55,50 @@ impl TryFrom<GmeshParts> for Gmesh {
 
     /// Checks every promise and makes the triangles of all levels. O(output).
     fn try_from(parts: GmeshParts) -> Result<Self, GmeshError> {
-        parts.check_levels()?;
-        parts.check_targets()?;
-        parts.check_triangles()?;
-        let (triangles, starts) = parts.all_levels()?;
-        let GmeshParts { level_vertices, level_errors, level_volumes, targets, material_ids, .. } = parts;
-        let count = level_vertices.len();
-        let drawn = |level: usize| -> usize {
-            let of_group =
-                |group: usize| (starts[group * count + level + 1] - starts[group * count + level]) as usize;
-            (0..material_ids.len().max(1)).map(of_group).sum()
+        let seeds = Seeds {
+            level_vertices: &parts.level_vertices,
+            level_errors: &parts.level_errors,
+            level_volumes: &parts.level_volumes,
+            targets: &parts.targets,
+            material_ids: &parts.material_ids,
         };
-        let levels = level_vertices.iter().zip(&level_errors).zip(&level_volumes).enumerate();
-        let levels = levels.map(|(level, ((&vertices, &error), &volume))| GmeshLevel {
-            vertices: vertices as usize,
-            triangles: drawn(level),
-            error,
-            volume: volume.is_finite().then_some(volume),
-        });
-        let levels = levels.collect();
-        Ok(Self { levels, targets, triangles, starts, material_ids })
+        seeds.check_levels()?;
+        seeds.check_targets()?;
+        seeds.check_finest(&parts.triangles)?;
+        seeds.check_groups(&parts.group_ends, parts.triangles.len())?;
+        let (triangles, starts) = seeds.all_levels(&parts.triangles, &parts.group_ends)?;
+        let levels = seeds.levels(&starts);
+        Ok(Self {
+            levels,
+            targets: parts.targets.into(),
+            triangles: triangles.into(),
+            starts: starts.into(),
+            material_ids: parts.material_ids.into(),
+        })
     }
+}
+
+impl Gmesh {
+    /// Returns the triangles of the finest level, by ascending material, and the end of every material's.
+    pub(super) fn finest(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let mut finest = Vec::with_capacity(self.levels[0].triangles);
+        let mut ends = Vec::with_capacity(self.groups());
+        for group in 0..self.groups() {
+            finest.extend_from_slice(self.triangles(0, group));
+            ends.push(finest.len() as u32);
+        }
+        (finest, ends)
+    }
+}
+
+/// What a g-mesh is made of besides the triangles of its finest level.
+#[derive(Clone, Copy)]
+pub(super) struct Seeds<'a> {
+    pub level_vertices: &'a [u32],
+    pub level_errors: &'a [f32],
+    pub level_volumes: &'a [f64],
+    pub targets: &'a [u32],
+    pub material_ids: &'a [u32],
 }
 
 fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), GmeshError> {
@@ -95,10 +113,27 @@ fn limit(what: &'static str, found: usize) -> Result<(), GmeshError> {
     }
 }
 
-impl GmeshParts {
-    fn check_levels(&self) -> Result<(), GmeshError> {
+impl Seeds<'_> {
+    fn groups(&self) -> usize {
+        self.material_ids.len().max(1)
+    }
+
+    /// Returns the levels of triangles with these starts.
+    pub fn levels(&self, starts: &[u32]) -> Vec<GmeshLevel> {
+        let count = self.level_vertices.len();
+        let of_group = |at: usize| (starts[at + 1] - starts[at]) as usize;
+        let level = |level: usize| GmeshLevel {
+            vertices: self.level_vertices[level] as usize,
+            triangles: (0..self.groups()).map(|group| of_group(group * count + level)).sum(),
+            error: self.level_errors[level],
+            volume: self.level_volumes[level].is_finite().then_some(self.level_volumes[level]),
+        };
+        (0..count).map(level).collect()
+    }
+
+    /// Checks levels and the order of materials.
+    pub fn check_levels(&self) -> Result<(), GmeshError> {
         limit("vertices", self.targets.len())?;
-        limit("triangles", self.triangles.len())?;
         let count = self.level_vertices.len();
         expect("levels", count, count.max(1))?;
         expect("errors of levels", self.level_errors.len(), count)?;
@@ -115,7 +150,8 @@ impl GmeshParts {
         Ok(())
     }
 
-    fn check_targets(&self) -> Result<(), GmeshError> {
+    /// Checks that every vertex moves to one that its last level draws.
+    pub fn check_targets(&self) -> Result<(), GmeshError> {
         let coarsest = self.level_vertices.last().map_or(0, |&n| n as usize);
         for (vertex, &target) in self.targets[..coarsest].iter().enumerate() {
             if target as usize != vertex {
@@ -133,41 +169,104 @@ impl GmeshParts {
         Ok(())
     }
 
-    fn check_triangles(&self) -> Result<(), GmeshError> {
+    /// Checks triangles of the finest level.
+    fn check_finest(&self, triangles: &[[u32; 3]]) -> Result<(), GmeshError> {
+        limit("triangles", triangles.len())?;
         let vertices = self.targets.len();
         let is_legal = |t: &[u32; 3]| !is_degenerate(*t) && t.iter().all(|&v| (v as usize) < vertices);
-        if let Some(triangle) = self.triangles.iter().position(|t| !is_legal(t)) {
-            return Err(GmeshError::Triangle { triangle });
+        match triangles.iter().position(|t| !is_legal(t)) {
+            Some(triangle) => Err(GmeshError::Triangle { triangle }),
+            None => Ok(()),
         }
+    }
+
+    /// Checks the ends of the materials' triangles in the finest level.
+    fn check_groups(&self, group_ends: &[u32], triangles: usize) -> Result<(), GmeshError> {
         if let Some(group) = self.material_ids.windows(2).position(|ids| ids[0] >= ids[1]) {
             return Err(GmeshError::Group { group: group + 1 });
         }
-        expect("groups", self.group_ends.len(), self.material_ids.len().max(1))?;
-        if let Some(group) = self.group_ends.windows(2).position(|ends| ends[0] > ends[1]) {
+        expect("groups", group_ends.len(), self.groups())?;
+        if let Some(group) = group_ends.windows(2).position(|ends| ends[0] > ends[1]) {
             return Err(GmeshError::Group { group: group + 1 });
         }
-        let starts = self.group_ends.len().saturating_mul(self.level_vertices.len());
-        let most = MOST_STARTS.saturating_mul(self.triangles.len()).max(FEW_STARTS);
+        self.check_number_of_starts(triangles)?;
+        expect("triangles in groups", group_ends.last().map_or(0, |&end| end as usize), triangles)
+    }
+
+    /// Checks that levels of groups are not out of all proportion to the triangles of the finest level.
+    fn check_number_of_starts(&self, triangles: usize) -> Result<(), GmeshError> {
+        let starts = self.groups().saturating_mul(self.level_vertices.len());
+        let most = MOST_STARTS.saturating_mul(triangles).max(FEW_STARTS);
         if starts > most {
             return Err(GmeshError::Length { what: "levels of groups", found: starts, expected: most });
         }
-        expect(
-            "triangles in groups",
-            self.group_ends.last().map_or(0, |&end| end as usize),
-            self.triangles.len(),
-        )
+        Ok(())
+    }
+
+    /// Checks starts of levels in groups: as many as needed, and ascending to the number of triangles.
+    pub fn check_starts(&self, starts: &[u32], triangles: usize) -> Result<(), GmeshError> {
+        let expected = self.groups().saturating_mul(self.level_vertices.len()).saturating_add(1);
+        expect("starts of levels", starts.len(), expected)?;
+        if let Some(at) = starts.windows(2).position(|pair| pair[0] > pair[1]) {
+            return Err(GmeshError::Level { level: at % self.level_vertices.len() });
+        }
+        expect("triangles before the first level", starts[0] as usize, 0)?;
+        expect("triangles of levels", starts[expected - 1] as usize, triangles)
+    }
+
+    /// Checks the triangles of all levels against the finest. O(triangles), without a copy.
+    pub fn check_all(&self, triangles: &[[u32; 3]], starts: &[u32]) -> Result<(), GmeshError> {
+        if let Some(group) = self.material_ids.windows(2).position(|ids| ids[0] >= ids[1]) {
+            return Err(GmeshError::Group { group: group + 1 });
+        }
+        let count = self.level_vertices.len();
+        let level_of = |group: usize, level: usize| {
+            let [start, end] = [0, 1].map(|next| starts[group * count + level + next] as usize);
+            &triangles[start..end]
+        };
+        let finest: usize = (0..self.groups()).map(|group| level_of(group, 0).len()).sum();
+        self.check_number_of_starts(finest)?;
+        let most = (MOST_SHARE * finest + FEW).min(MAX_ELEMENTS);
+        if triangles.len() > most {
+            return Err(GmeshError::TooLittle { level: count - 1, triangles: triangles.len() });
+        }
+        for group in 0..self.groups() {
+            self.check_finest(level_of(group, 0))?;
+            for level in 1..count {
+                let images = level_of(group, level - 1).iter().filter_map(|&t| self.image(t, level));
+                let own = level_of(group, level).iter();
+                if !own.clone().copied().eq(images) {
+                    return Err(GmeshError::Level { level });
+                }
+                if let Some(&vertex) = own.flatten().find(|&&v| v >= self.level_vertices[level]) {
+                    return Err(GmeshError::Target { vertex: vertex as usize, target: vertex });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the image of a triangle in a level, of the level before it; `None` if two corners are equal.
+    fn image(&self, triangle: [u32; 3], level: usize) -> Option<[u32; 3]> {
+        let end = self.level_vertices[level];
+        let image = triangle.map(|v| if v >= end { self.targets[v as usize] } else { v });
+        (!is_degenerate(image)).then_some(image)
     }
 
     /// Makes the triangles of all levels, group by group, and their starts: the triangles of a level are the images of the
     /// triangles of the level before it, without those with two equal corners.
-    fn all_levels(&self) -> Result<(Vec<[u32; 3]>, Vec<u32>), GmeshError> {
-        let most = (MOST_SHARE * self.triangles.len() + FEW).min(MAX_ELEMENTS);
-        let mut triangles = Vec::with_capacity(self.triangles.len() * 2);
-        let mut starts = Vec::with_capacity(self.group_ends.len() * self.level_vertices.len() + 1);
+    fn all_levels(
+        &self,
+        finest: &[[u32; 3]],
+        group_ends: &[u32],
+    ) -> Result<(Vec<[u32; 3]>, Vec<u32>), GmeshError> {
+        let most = (MOST_SHARE * finest.len() + FEW).min(MAX_ELEMENTS);
+        let mut triangles = Vec::with_capacity(finest.len() * 2);
+        let mut starts = Vec::with_capacity(group_ends.len() * self.level_vertices.len() + 1);
         let mut first = 0;
-        for &end in &self.group_ends {
+        for &end in group_ends {
             starts.push(triangles.len() as u32);
-            triangles.extend_from_slice(&self.triangles[first..end as usize]);
+            triangles.extend_from_slice(&finest[first..end as usize]);
             first = end as usize;
             let mut start = starts[starts.len() - 1] as usize;
             for (level, vertices) in self.level_vertices.iter().enumerate().skip(1) {
@@ -175,11 +274,7 @@ impl GmeshParts {
                 start = triangles.len();
                 starts.push(start as u32);
                 for at in before {
-                    let image =
-                        triangles[at].map(|v: u32| if v >= *vertices { self.targets[v as usize] } else { v });
-                    if !is_degenerate(image) {
-                        triangles.push(image);
-                    }
+                    triangles.extend(self.image(triangles[at], level));
                 }
                 if triangles.len() > most {
                     return Err(GmeshError::TooLittle { level, triangles: triangles.len() });

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::geometry::array::Array;
+
 /// A level of a [`Gmesh`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -25,13 +27,13 @@ pub struct Gmesh {
     /// At least one, finest first.
     pub(super) levels: Vec<GmeshLevel>,
     /// Per vertex the vertex to which it moves in the last level that draws it; itself where it stays.
-    pub(super) targets: Vec<u32>,
+    pub(super) targets: Array<u32>,
     /// Corners: all levels of a group, finest first, group by group.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Array<[u32; 3]>,
     /// Start of every level of every group in `triangles`, and the end: `group * levels + level`.
-    pub(super) starts: Vec<u32>,
+    pub(super) starts: Array<u32>,
     /// The material ids in use, ascending.
-    pub(super) material_ids: Vec<u32>,
+    pub(super) material_ids: Array<u32>,
 }
 
 impl Gmesh {

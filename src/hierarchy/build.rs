@@ -9,6 +9,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::geometry::array::Array;
 use crate::geometry::lists::Lists;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, NONE};
@@ -97,38 +98,43 @@ impl VertexHierarchy {
         }
         let group = |t: &u32| materials.partition_point(|&id| id < mesh.materials()[*t as usize]) as u16;
         let group_of =
-            if materials.len() > 1 { by_split.items.iter().map(group).collect() } else { Vec::new() };
+            if materials.len() > 1 { by_split.items.iter().map(group).collect() } else { Array::default() };
         let corners = by_split.items.iter().map(|&t| mesh.triangles()[t as usize].map(leaf)).collect();
 
         let mut hierarchy = VertexHierarchy {
-            substitute: forest.substitute,
-            split_of: splits.of_vertex,
-            first_leaf: forest.first_leaf,
+            substitute: forest.substitute.into(),
+            split_of: splits.of_vertex.into(),
+            first_leaf: forest.first_leaf.into(),
             leaves: forest.leaves,
             brings: splits.brings,
             parents: splits.parents,
             children: splits.children,
-            dependencies: Lists { start: vec![0; count + 1], items: Vec::new() },
+            dependencies: Lists::default(),
             dependency_kind: dependencies,
-            bounds: Vec::new(),
-            roots: splits.roots,
+            bounds: Array::default(),
+            roots: splits.roots.into(),
             triangles: corners,
-            first_triangle: by_split.start[1..].to_vec(),
+            first_triangle: by_split.start[1..].to_vec().into(),
             group_of,
-            materials,
+            materials: materials.into(),
             diagonal: mesh.diagonal(),
-            jump: Vec::new(),
+            jump: Array::default(),
         };
-        hierarchy.jump = hierarchy.jumps();
+        hierarchy.jump = hierarchy.jumps().into();
         stage(0.6)?;
         let lonely = lonely_errors(&hierarchy, &hierarchy.brings, &forest.end, &forest.positions);
         let error: Vec<f32> = splits.error.iter().zip(&lonely).map(|(a, b)| a.max(*b)).collect();
         stage(0.8)?;
-        hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error);
+        hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error).into();
         stage(0.9)?;
-        hierarchy.dependencies = dependency_lists(&hierarchy, &splits.order, dependencies);
+        let Lists { start, items } = dependency_lists(&hierarchy, &splits.order, dependencies);
+        hierarchy.dependencies = Lists::of(start.into_vec(), items.into_vec());
         stage(1.0)?;
-        Ok(HierarchyBuild { hierarchy, vertex_order: forest.order, triangle_order: by_split.items })
+        Ok(HierarchyBuild {
+            hierarchy,
+            vertex_order: forest.order,
+            triangle_order: by_split.items.into_vec(),
+        })
     }
 }
 

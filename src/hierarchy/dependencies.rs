@@ -39,7 +39,7 @@ pub(super) fn dependency_lists(
 ) -> Lists {
     let count = hierarchy.split_count();
     if dependencies == Dependencies::None {
-        return Lists { start: vec![0; count + 1], items: Vec::new() };
+        return Lists::default();
     }
     let mut surface = CutSurface::new(hierarchy, false);
     // Applies all splits, coarsest first.

@@ -36,6 +36,8 @@ mod error;
 mod instance;
 mod packed;
 mod parts;
+#[cfg(feature = "io")]
+mod sections;
 mod sink;
 mod stars;
 mod surface;

@@ -1,5 +1,6 @@
 //! Plain arrays of a vertex hierarchy, in and out. Arrays derivable from others are left out.
 
+use crate::geometry::array::Array;
 use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
@@ -44,20 +45,20 @@ pub struct HierarchyParts {
 
 impl From<VertexHierarchy> for HierarchyParts {
     fn from(hierarchy: VertexHierarchy) -> Self {
-        let VertexHierarchy { substitute, first_leaf, brings, dependencies, dependency_kind, .. } = hierarchy;
+        let VertexHierarchy { substitute, first_leaf, brings, dependency_kind, .. } = hierarchy;
         Self {
-            substitute,
-            first_leaf,
-            brings_start: brings.start,
-            brings: brings.items,
-            dependencies_start: dependencies.start,
-            dependencies: dependencies.items,
+            substitute: substitute.into_vec(),
+            first_leaf: first_leaf.into_vec(),
+            brings_start: brings.start.into_vec(),
+            brings: brings.items.into_vec(),
+            dependencies_start: hierarchy.dependencies.starts(hierarchy.bounds.len()).into_owned(),
+            dependencies: hierarchy.dependencies.items.into_vec(),
             dependency_kind,
-            bounds: hierarchy.bounds,
-            triangles: hierarchy.triangles,
-            first_triangle: hierarchy.first_triangle,
-            group_of: hierarchy.group_of,
-            materials: hierarchy.materials,
+            bounds: hierarchy.bounds.into_vec(),
+            triangles: hierarchy.triangles.into_vec(),
+            first_triangle: hierarchy.first_triangle.into_vec(),
+            group_of: hierarchy.group_of.into_vec(),
+            materials: hierarchy.materials.into_vec(),
             diagonal: hierarchy.diagonal,
         }
     }
@@ -74,31 +75,36 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             found: made,
             expected: vertices,
         })?;
+        // Without dependencies their starts are dropped.
+        let (found, expected) = (parts.dependencies_start.len(), parts.bounds.len() + 1);
+        if found != expected {
+            return Err(HierarchyError::Length { what: "starts of dependencies", found, expected });
+        }
+        if let (true, Some(at)) =
+            (parts.dependencies.is_empty(), parts.dependencies_start.iter().position(|&start| start != 0))
+        {
+            return Err(HierarchyError::Broken { what: "the start of dependencies of split", at });
+        }
         let mut hierarchy = Self {
-            substitute: parts.substitute,
-            split_of: Vec::new(),
-            first_leaf: parts.first_leaf,
+            substitute: parts.substitute.into(),
+            split_of: Array::default(),
+            first_leaf: parts.first_leaf.into(),
             leaves: leaves.min(NONE as usize) as u32,
-            brings: Lists { start: parts.brings_start, items: parts.brings },
+            brings: Lists { start: parts.brings_start.into(), items: parts.brings.into() },
             parents: Lists::default(),
             children: Lists::default(),
-            dependencies: Lists { start: parts.dependencies_start, items: parts.dependencies },
+            dependencies: Lists::of(parts.dependencies_start, parts.dependencies),
             dependency_kind: parts.dependency_kind,
-            bounds: parts.bounds,
-            roots: Vec::new(),
-            triangles: parts.triangles,
-            first_triangle: parts.first_triangle,
-            group_of: parts.group_of,
-            materials: parts.materials,
+            bounds: parts.bounds.into(),
+            roots: Array::default(),
+            triangles: parts.triangles.into(),
+            first_triangle: parts.first_triangle.into(),
+            group_of: parts.group_of.into(),
+            materials: parts.materials.into(),
             diagonal: parts.diagonal,
-            jump: Vec::new(),
+            jump: Array::default(),
         };
-        hierarchy.check_arrays()?;
-        let Derived { split_of, parents, children, roots } = hierarchy.derived();
-        (hierarchy.split_of, hierarchy.parents) = (split_of, parents);
-        (hierarchy.children, hierarchy.roots) = (children, roots);
-        hierarchy.check_promises()?;
-        hierarchy.jump = hierarchy.jumps();
+        hierarchy.complete()?;
         Ok(hierarchy)
     }
 }
@@ -109,36 +115,47 @@ pub(super) struct Derived {
     pub parents: Lists,
     pub children: Lists,
     pub roots: Vec<u32>,
+    pub births: Vec<u32>,
 }
 
 /// Chains up to this length are walked hop by hop.
 const SHORT: u32 = 1024;
 
 impl VertexHierarchy {
-    /// Derives the remaining arrays. Every index must be in range; nothing else is assumed. O(n log n).
-    pub(super) fn derived(&self) -> Derived {
+    /// Checks the arrays of [`HierarchyParts`], and derives the others. O(n).
+    pub(super) fn complete(&mut self) -> Result<(), HierarchyError> {
+        self.check_arrays()?;
+        let Derived { split_of, parents, children, roots, births } = self.derived()?;
+        (self.split_of, self.parents) = (split_of.into(), parents);
+        (self.children, self.roots) = (children, roots.into());
+        self.check_promises(&births)?;
+        self.jump = self.jumps().into();
+        Ok(())
+    }
+
+    /// Derives the remaining arrays, and checks all collapses. Every index must be in range. O(n).
+    pub(super) fn derived(&self) -> Result<Derived, HierarchyError> {
         let count = self.bounds.len();
         let mut split_of = vec![NONE; self.substitute.len()];
-        // A collapse is undone after the next collapse touching any of its vertices.
-        let mut last = vec![NONE; self.substitute.len()];
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(2 * count);
         for split in (0..count as u32).rev() {
-            for &vertex in self.brings.get(split) {
-                split_of[vertex as usize] = split;
-                for touched in [vertex, self.substitute[vertex as usize]] {
-                    let before = std::mem::replace(&mut last[touched as usize], split);
-                    if before != NONE && before != split {
-                        edges.push([before, split]);
-                    }
-                }
-            }
+            self.brings.get(split).iter().for_each(|&vertex| split_of[vertex as usize] = split);
         }
-        edges.sort_unstable();
-        edges.dedup();
-        let parents = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (child, parent)));
-        let children = Lists::from_pairs(count, edges.iter().map(|&[child, parent]| (parent, child)));
+        // From fine to coarse: the last list comes first.
+        let (mut start, mut items) = (vec![0; count + 1], Vec::with_capacity(2 * count));
+        let births = self.replay(&split_of, |split, below| {
+            start[split as usize] = below.len() as u32;
+            items.extend(below.iter().rev());
+            true
+        })?;
+        items.reverse();
+        let mut sum = 0;
+        for start in &mut start {
+            sum += std::mem::replace(start, sum);
+        }
+        let children = Lists { start: start.into(), items: items.into() };
+        let parents = children.transposed(count);
         let roots = (0..count as u32).filter(|&split| parents.get(split).is_empty()).collect();
-        Derived { split_of, parents, children, roots }
+        Ok(Derived { split_of, parents, children, roots, births })
     }
 
     /// Returns, per vertex, a vertex far above it (Myers 1983), so representatives are found in O(log n) hops. Empty if
@@ -146,6 +163,17 @@ impl VertexHierarchy {
     pub(super) fn jumps(&self) -> Vec<u32> {
         let count = self.substitute.len();
         let mut depth = vec![0_u32; count];
+        let mut most = 0;
+        for split in 0..self.bounds.len() as u32 {
+            for &vertex in self.brings.get(split).iter().rev() {
+                let own = depth[self.substitute[vertex as usize] as usize] + 1;
+                depth[vertex as usize] = own;
+                most = most.max(own);
+            }
+        }
+        if most <= SHORT {
+            return Vec::new();
+        }
         let mut jump: Vec<u32> = (0..count as u32).collect();
         for split in 0..self.bounds.len() as u32 {
             for &vertex in self.brings.get(split).iter().rev() {
@@ -155,10 +183,9 @@ impl VertexHierarchy {
                 let at = |v: u32| depth[v as usize];
                 let even = at(above) - at(near) == at(near) - at(far);
                 jump[vertex as usize] = if even { far } else { above };
-                depth[vertex as usize] = at(above) + 1;
             }
         }
-        if depth.iter().all(|&depth| depth <= SHORT) { Vec::new() } else { jump }
+        jump
     }
 }
 
@@ -188,7 +215,7 @@ impl serde::Serialize for VertexHierarchy {
             first_leaf: &self.first_leaf,
             brings_start: &self.brings.start,
             brings: &self.brings.items,
-            dependencies_start: &self.dependencies.start,
+            dependencies_start: &self.dependencies.starts(self.bounds.len()),
             dependencies: &self.dependencies.items,
             dependency_kind: self.dependency_kind,
             bounds: &self.bounds,

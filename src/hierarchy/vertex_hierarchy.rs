@@ -1,6 +1,7 @@
 //! [`VertexHierarchy`]: the arrays, and what is read off them.
 
 use crate::adapt::{Cut, Refinements};
+use crate::geometry::array::Array;
 use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
@@ -33,11 +34,11 @@ use super::HierarchyParts;
 #[cfg_attr(feature = "serde", serde(try_from = "HierarchyParts"))]
 pub struct VertexHierarchy {
     /// Per vertex, the vertex taking its place, or itself.
-    pub(super) substitute: Vec<u32>,
+    pub(super) substitute: Array<u32>,
     /// Per vertex, the split bringing it back; `NONE` if it is never removed.
-    pub(super) split_of: Vec<u32>,
+    pub(super) split_of: Array<u32>,
     /// Per new vertex, the first leaf represented by it.
-    pub(super) first_leaf: Vec<u32>,
+    pub(super) first_leaf: Array<u32>,
     pub(super) leaves: u32,
     /// Per split, the vertices brought back, in the order of the collapse.
     pub(super) brings: Lists,
@@ -45,19 +46,19 @@ pub struct VertexHierarchy {
     pub(super) children: Lists,
     pub(super) dependencies: Lists,
     pub(super) dependency_kind: Dependencies,
-    pub(super) bounds: Vec<Bounds>,
-    pub(super) roots: Vec<u32>,
+    pub(super) bounds: Array<Bounds>,
+    pub(super) roots: Array<u32>,
     /// Corners at full resolution, as leaves. First the triangles never removed, then the others by split.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Array<[u32; 3]>,
     /// Per split, its first triangle; with one more entry than splits.
-    pub(super) first_triangle: Vec<u32>,
+    pub(super) first_triangle: Array<u32>,
     /// Per triangle, an index into `materials`; empty with at most one material.
-    pub(super) group_of: Vec<u16>,
+    pub(super) group_of: Array<u16>,
     /// Material ids in use, ascending.
-    pub(super) materials: Vec<u32>,
+    pub(super) materials: Array<u32>,
     pub(super) diagonal: f64,
     /// Per vertex, a vertex far above it; empty if all chains are short.
-    pub(super) jump: Vec<u32>,
+    pub(super) jump: Array<u32>,
 }
 
 impl VertexHierarchy {

@@ -14,8 +14,9 @@
 //! | `text.rs` | lines, words and numbers |
 //! | `polygon.rs` | polygons to triangles |
 //! | `atomic.rs` | [`atomic`]: atomic writes of files |
-//! | `baked.rs` | [`bake`] and [`unbake`]: any structure in a checked container |
-//! | `model.rs` | [`read_model`]: a baked model of any structure; for a known structure: [`Baked::read`](crate::lod::Baked::read) |
+//! | `baked.rs` | [`bake`] and [`unbake`]: any value in the baked container; [`Aligned`] bytes for files within a program |
+//! | `baked_3.rs` | files of format version 3 |
+//! | `model.rs` | [`read_model`], [`open_model`]: a baked model of any structure; for a known structure: [`Baked::read`](crate::lod::Baked::read), [`Baked::from_shared`](crate::lod::Baked::from_shared) |
 //! | `error.rs` | errors of reading and writing |
 //!
 //! No file makes a reader panic, run for long, or reserve more than a multiple of the file's size: every declared count
@@ -23,6 +24,7 @@
 
 pub mod atomic;
 mod baked;
+mod baked_3;
 mod draft;
 mod error;
 mod format;
@@ -37,10 +39,15 @@ mod read_write;
 mod stl;
 mod text;
 
-pub use baked::{BakeError, VERSION as BAKED_VERSION, bake, baked_kind, read_baked, unbake, write_baked};
+pub use crate::lod::Stored;
+pub use crate::sections::{BakeError, BakeOptions, Compression, OpenOptions, SectionInfo, Trust};
+pub use baked::{
+    Aligned, VERSION as BAKED_VERSION, bake, baked_kind, baked_sections, baked_version, read_baked, unbake,
+    write_baked,
+};
 pub use error::{Place, ReadError, WriteError};
 pub use format::Format;
 pub use gltf::GltfTextures;
 pub use import::{Imported, ReadOptions, SceneOrigin};
-pub use model::{StoredModel, read_model, unbake_model};
+pub use model::{StoredModel, open_model, read_model, read_model_with, unbake_model};
 pub use read_write::{read, read_bytes, read_bytes_with, read_with, write, write_bytes, write_textured};

@@ -214,11 +214,21 @@ impl<'de, S: Structure + serde::Deserialize<'de>> serde::Deserialize<'de> for Ba
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         use serde::de::Error;
         let Read { vertices, structure, origins } = Read::<S>::deserialize(deserializer)?;
-        structure.check_vertices(&vertices).map_err(D::Error::custom)?;
+        Self::checked(structure, Some(vertices), origins).map_err(D::Error::custom)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<S: Structure> Baked<S> {
+    /// Makes a model of the parts of a file, each valid by itself, if there are as many vertices and origins as needed.
+    pub(super) fn checked(structure: S, vertices: Option<Mesh>, origins: Origins) -> Result<Self, String> {
+        if let Some(vertices) = &vertices {
+            structure.check_vertices(vertices).map_err(|error| error.to_string())?;
+        }
         let (found, expected) = (origins.len(), structure.vertex_count());
         if found != expected {
-            return Err(D::Error::custom(format!("there are {found} origins where {expected} are needed")));
+            return Err(format!("there are {found} origins where {expected} are needed"));
         }
-        Ok(Self::new(structure, Some(vertices), origins))
+        Ok(Self::new(structure, vertices, origins))
     }
 }

@@ -21,6 +21,7 @@
 //! | `whole.rs` | common parts of instances of a single resolution |
 //! | `level.rs` | [`Level`]: a level of detail of the whole model |
 //! | `model.rs` | [`Model`]: a baked model of any structure |
+//! | `sections.rs` | models in the sections of a baked file |
 //! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
 //! | `error.rs` | [`LodError`] |
 
@@ -33,6 +34,8 @@ mod level;
 mod model;
 mod options;
 mod origins;
+#[cfg(feature = "io")]
+mod sections;
 mod short_indices;
 mod structure;
 mod uploads;
@@ -48,6 +51,8 @@ pub use level::{Extracted, Level};
 pub use model::Model;
 pub use options::{LodOptions, Triangulation, VertexBuffer};
 pub use origins::{Mixture, Origins};
+#[cfg(feature = "io")]
+pub use sections::Stored;
 pub use short_indices::ShortIndices;
 pub use structure::{FromSequence, Progress, Structure, VertexRank};
 pub use uploads::{Draw, Draws, Upload, Uploads};

@@ -4,6 +4,7 @@ use bytemuck::NoUninit;
 
 use crate::adapt::Blend;
 use crate::error::MeshError;
+use crate::geometry::array::Array;
 
 #[cfg(feature = "serde")]
 use crate::mesh::MAX_ELEMENTS;
@@ -11,8 +12,9 @@ use crate::mesh::{Mesh, Topology, check_folded, folded};
 use crate::sequence::CollapseSequence;
 
 /// A vertex not in the input: `(1 - weight) * first + weight * second` of two other vertices.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct Mixture {
     /// Input vertices or earlier mixtures. Mixtures are numbered from the number of input vertices on.
     pub from: [u32; 2],
@@ -36,14 +38,14 @@ pub struct Mixture {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts"))]
 pub struct Origins {
-    input_vertices: u32,
+    pub(super) input_vertices: u32,
     /// Per vertex of the structure an input vertex, or the number of input vertices plus a mixture's index.
-    order: Vec<u32>,
-    mixtures: Vec<Mixture>,
+    pub(super) order: Array<u32>,
+    pub(super) mixtures: Array<Mixture>,
     /// Input vertices whose place in the structure differs from the input's, ascending.
-    snapped: Vec<u32>,
+    pub(super) snapped: Array<u32>,
     /// Pairs of input vertices not told apart by the mesh, as `[duplicate, kept]`.
-    folded: Vec<[u32; 2]>,
+    pub(super) folded: Array<[u32; 2]>,
 }
 
 impl Origins {
@@ -52,10 +54,10 @@ impl Origins {
         let mixtures = sequence.new_vertices().iter();
         Self {
             input_vertices: sequence.input_vertices() as u32,
-            order,
+            order: order.into(),
             mixtures: mixtures.map(|new| Mixture { from: new.from, weight: new.weight }).collect(),
             snapped: sequence.snaps().iter().map(|snap| snap[0]).collect(),
-            folded: sequence.folded(mesh),
+            folded: sequence.folded(mesh).into(),
         }
     }
 
@@ -68,12 +70,13 @@ impl Origins {
     pub(crate) fn folded_as(mut self, mesh: &Mesh, topology: &Topology) -> Self {
         let wedges = (0_u32..).zip(topology.wedge_of());
         let duplicates = wedges.filter(|(v, wedge)| v != *wedge).map(|(v, &wedge)| [v, wedge]);
-        self.folded = folded(mesh, duplicates);
+        self.folded = folded(mesh, duplicates).into();
         self
     }
 
     /// Makes origins from vertices in order and mixtures. Mixtures are numbered after the input's vertices.
     pub(crate) fn new(input_vertices: usize, order: Vec<u32>, mixtures: Vec<Mixture>) -> Self {
+        let (order, mixtures) = (order.into(), mixtures.into());
         Self { input_vertices: input_vertices as u32, order, mixtures, ..Self::default() }
     }
 
@@ -216,17 +219,30 @@ impl TryFrom<Parts> for Origins {
 
     fn try_from(parts: Parts) -> Result<Self, MeshError> {
         let Parts { input_vertices, order, mixtures, snapped, folded } = parts;
+        let (order, mixtures) = (order.into(), mixtures.into());
+        let origins =
+            Self { input_vertices, order, mixtures, snapped: snapped.into(), folded: folded.into() };
+        origins.validate()?;
+        Ok(origins)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Origins {
+    /// Checks that everything named exists. O(n).
+    pub(super) fn validate(&self) -> Result<(), MeshError> {
+        let Self { input_vertices, order, mixtures, snapped, folded } = self;
         let within = |index: u32, count: u64, at: usize| {
             if u64::from(index) < count {
                 return Ok(());
             }
             Err(MeshError::Origin { vertex: at, found: index })
         };
-        if input_vertices as usize > MAX_ELEMENTS {
-            let (count, limit) = (input_vertices as usize, MAX_ELEMENTS);
+        if *input_vertices as usize > MAX_ELEMENTS {
+            let (count, limit) = (*input_vertices as usize, MAX_ELEMENTS);
             return Err(MeshError::TooMany { what: "vertices of the input", count, limit });
         }
-        let input = u64::from(input_vertices);
+        let input = u64::from(*input_vertices);
         for (k, mixture) in mixtures.iter().enumerate() {
             mixture.from.iter().try_for_each(|&v| within(v, input + k as u64, k))?;
             if !(0.0..=1.0).contains(&mixture.weight) {
@@ -239,7 +255,6 @@ impl TryFrom<Parts> for Origins {
         if let Some(at) = snapped.windows(2).position(|pair| pair[0] >= pair[1]) {
             return Err(MeshError::Origin { vertex: at, found: snapped[at] });
         }
-        folded.iter().flatten().enumerate().try_for_each(|(at, &v)| within(v, input, at))?;
-        Ok(Self { input_vertices, order, mixtures, snapped, folded })
+        folded.iter().flatten().enumerate().try_for_each(|(at, &v)| within(v, input, at))
     }
 }

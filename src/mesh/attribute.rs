@@ -1,6 +1,9 @@
 //! A named stream of per-vertex values: normals, texture coordinates, colours, joints, whatever a file holds.
 
+use std::sync::OnceLock;
+
 use crate::error::MeshError;
+use crate::geometry::array::Array;
 
 /// Customary attribute names. Attributes of any other name are carried along too.
 pub mod names {
@@ -78,19 +81,54 @@ impl AttributeValues {
 /// assert_eq!(heat.map(<[f32]>::len), Some(mesh.positions().len()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone)]
 pub struct Attribute {
     name: String,
     pub(super) width: usize,
-    pub(super) values: AttributeValues,
+    /// The scalars, unless `stored` holds them.
+    values: AttributeValues,
+    stored: Option<Stored>,
+}
+
+/// The type of an attribute's scalars.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scalar {
+    Float,
+    Int,
+    Uint,
+}
+
+/// Scalars within a file, as words.
+#[derive(Clone)]
+struct Stored {
+    scalar: Scalar,
+    words: Array<u32>,
+    /// A copy, made when first asked for.
+    values: OnceLock<AttributeValues>,
+}
+
+impl Stored {
+    fn copied(&self) -> AttributeValues {
+        match self.scalar {
+            Scalar::Float => AttributeValues::Float(bytemuck::cast_slice(&self.words).to_vec()),
+            Scalar::Int => AttributeValues::Int(bytemuck::cast_slice(&self.words).to_vec()),
+            Scalar::Uint => AttributeValues::Uint(self.words.to_vec()),
+        }
+    }
 }
 
 impl Attribute {
     /// Builds an attribute of `width` scalars per vertex. [`Mesh::with_attribute`](super::Mesh::with_attribute) checks
     /// width and length.
     pub fn new(name: impl Into<String>, width: usize, values: AttributeValues) -> Self {
-        Self { name: name.into(), width, values }
+        Self { name: name.into(), width, values, stored: None }
+    }
+
+    /// Builds an attribute whose scalars lie within a file.
+    #[cfg(feature = "io")]
+    pub(crate) fn stored(name: String, width: usize, scalar: Scalar, words: Array<u32>) -> Self {
+        let stored = Some(Stored { scalar, words, values: OnceLock::new() });
+        Self { name, width, values: AttributeValues::Uint(Vec::new()), stored }
     }
 
     /// Builds a float attribute from an array of `WIDTH` floats per vertex.
@@ -124,47 +162,81 @@ impl Attribute {
         self.width
     }
 
-    /// The scalars, `width` per vertex.
+    /// The scalars, `width` per vertex. If they lie within a baked file, the first call copies them: O(n).
+    /// [`Attribute::as_floats`] does not.
     pub fn values(&self) -> &AttributeValues {
-        &self.values
+        match &self.stored {
+            Some(stored) => stored.values.get_or_init(|| stored.copied()),
+            None => &self.values,
+        }
+    }
+
+    /// Returns the scalars for writing.
+    pub(super) fn values_mut(&mut self) -> &mut AttributeValues {
+        if let Some(stored) = self.stored.take() {
+            self.values = stored.copied();
+        }
+        &mut self.values
+    }
+
+    /// Returns the type of the scalars.
+    pub(crate) fn scalar(&self) -> Scalar {
+        match (&self.stored, &self.values) {
+            (Some(stored), _) => stored.scalar,
+            (None, AttributeValues::Float(_)) => Scalar::Float,
+            (None, AttributeValues::Int(_)) => Scalar::Int,
+            (None, AttributeValues::Uint(_)) => Scalar::Uint,
+        }
     }
 
     /// Returns the scalars if they are floats.
     pub fn as_floats(&self) -> Option<&[f32]> {
-        match &self.values {
-            AttributeValues::Float(values) => Some(values),
-            _ => None,
-        }
+        (self.scalar() == Scalar::Float).then(|| bytemuck::cast_slice(self.all_words()))
     }
 
     /// Returns the scalars for writing if they are floats.
     pub(crate) fn floats_mut(&mut self) -> Option<&mut [f32]> {
-        match &mut self.values {
+        match self.values_mut() {
             AttributeValues::Float(values) => Some(values),
             _ => None,
         }
     }
 
+    /// Number of scalars.
+    pub(super) fn len(&self) -> usize {
+        self.all_words().len()
+    }
+
     /// Bytes held by the scalars.
     pub fn memory(&self) -> usize {
-        4 * self.values.len()
+        4 * self.len()
+    }
+
+    /// The raw words of all vertices.
+    pub(crate) fn all_words(&self) -> &[u32] {
+        match &self.stored {
+            Some(stored) => &stored.words,
+            None => self.values.words(),
+        }
     }
 
     /// The raw words of one vertex.
     pub(crate) fn words(&self, vertex: u32) -> &[u32] {
         let start = vertex as usize * self.width;
-        &self.values.words()[start..start + self.width]
+        &self.all_words()[start..start + self.width]
     }
 
     /// Copies the values of the vertices in `order`, which must all exist. O(output).
     pub(crate) fn gather(&self, order: &[u32]) -> Self {
-        fn rows<T: Copy>(values: &[T], width: usize, order: &[u32]) -> Vec<T> {
+        fn rows<T: bytemuck::Pod>(words: &[u32], width: usize, order: &[u32]) -> Vec<T> {
+            let values: &[T] = bytemuck::cast_slice(words);
             order.iter().flat_map(|&v| &values[v as usize * width..][..width]).copied().collect()
         }
-        let values = match &self.values {
-            AttributeValues::Float(v) => AttributeValues::Float(rows(v, self.width, order)),
-            AttributeValues::Int(v) => AttributeValues::Int(rows(v, self.width, order)),
-            AttributeValues::Uint(v) => AttributeValues::Uint(rows(v, self.width, order)),
+        let words = self.all_words();
+        let values = match self.scalar() {
+            Scalar::Float => AttributeValues::Float(rows(words, self.width, order)),
+            Scalar::Int => AttributeValues::Int(rows(words, self.width, order)),
+            Scalar::Uint => AttributeValues::Uint(rows(words, self.width, order)),
         };
         Self::new(self.name.clone(), self.width, values)
     }
@@ -182,17 +254,18 @@ impl Attribute {
 
     /// Reserves room for `vertices` more vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
-        match &mut self.values {
-            AttributeValues::Float(v) => v.reserve_exact(vertices * self.width),
-            AttributeValues::Int(v) => v.reserve_exact(vertices * self.width),
-            AttributeValues::Uint(v) => v.reserve_exact(vertices * self.width),
+        let more = vertices * self.width;
+        match self.values_mut() {
+            AttributeValues::Float(v) => v.reserve_exact(more),
+            AttributeValues::Int(v) => v.reserve_exact(more),
+            AttributeValues::Uint(v) => v.reserve_exact(more),
         }
     }
 
     /// Appends a vertex of zeros.
     pub(super) fn push_row(&mut self) {
-        let length = self.values.len() + self.width;
-        match &mut self.values {
+        let length = self.len() + self.width;
+        match self.values_mut() {
             AttributeValues::Float(v) => v.resize(length, 0.0),
             AttributeValues::Int(v) => v.resize(length, 0),
             AttributeValues::Uint(v) => v.resize(length, 0),
@@ -202,25 +275,27 @@ impl Attribute {
     /// Copies the values of vertex `from` to vertex `to`.
     pub(super) fn copy_row(&mut self, from: u32, to: u32) {
         let [from, to] = [from, to].map(|v| v as usize * self.width);
-        match &mut self.values {
-            AttributeValues::Float(v) => v.copy_within(from..from + self.width, to),
-            AttributeValues::Int(v) => v.copy_within(from..from + self.width, to),
-            AttributeValues::Uint(v) => v.copy_within(from..from + self.width, to),
+        let row = from..from + self.width;
+        match self.values_mut() {
+            AttributeValues::Float(v) => v.copy_within(row, to),
+            AttributeValues::Int(v) => v.copy_within(row, to),
+            AttributeValues::Uint(v) => v.copy_within(row, to),
         }
     }
 
     /// Returns a scalar of any type as `f64`.
-    pub(super) fn scalar(&self, at: usize) -> f64 {
-        match &self.values {
-            AttributeValues::Float(v) => f64::from(v[at]),
-            AttributeValues::Int(v) => f64::from(v[at]),
-            AttributeValues::Uint(v) => f64::from(v[at]),
+    pub(super) fn scalar_at(&self, at: usize) -> f64 {
+        let word = self.all_words()[at];
+        match self.scalar() {
+            Scalar::Float => f64::from(f32::from_bits(word)),
+            Scalar::Int => f64::from(word as i32),
+            Scalar::Uint => f64::from(word),
         }
     }
 
     /// Stores a scalar in the attribute's type; integers are rounded.
     pub(super) fn set_scalar(&mut self, at: usize, scalar: f64) {
-        match &mut self.values {
+        match self.values_mut() {
             AttributeValues::Float(v) => v[at] = scalar as f32,
             AttributeValues::Int(v) => v[at] = scalar.round() as i32,
             AttributeValues::Uint(v) => v[at] = scalar.round() as u32,
@@ -231,6 +306,53 @@ impl Attribute {
         if !(1..=16).contains(&self.width) {
             return Err(MeshError::AttributeWidth { name: self.name.clone(), width: self.width });
         }
-        super::triangle_mesh::check_length(&self.name, self.values.len(), vertices * self.width)
+        super::triangle_mesh::check_length(&self.name, self.len(), vertices * self.width)
+    }
+}
+
+impl std::fmt::Debug for Attribute {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { name, width, .. } = self;
+        f.debug_struct("Attribute")
+            .field("name", name)
+            .field("width", width)
+            .field("values", self.values())
+            .finish()
+    }
+}
+
+impl PartialEq for Attribute {
+    fn eq(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|attribute| (&attribute.name, attribute.width, attribute.scalar()));
+        let equal = || match (self.as_floats(), other.as_floats()) {
+            (Some(a), Some(b)) => a == b,
+            _ => self.all_words() == other.all_words(),
+        };
+        a == b && equal()
+    }
+}
+
+/// The fields of an [`Attribute`], as serde knows them.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "Attribute")]
+struct Parts<V> {
+    name: String,
+    width: usize,
+    values: V,
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Attribute {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Parts { name: self.name.clone(), width: self.width, values: self.values() }.serialize(serializer)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Attribute {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Parts { name, width, values } = Parts::<AttributeValues>::deserialize(deserializer)?;
+        Ok(Self::new(name, width, values))
     }
 }

@@ -15,7 +15,7 @@
 
 use glam::Vec3;
 
-use super::{Attribute, AttributeValues, names};
+use super::{Attribute, names};
 
 /// Maximum width of an attribute, scalars.
 const WIDEST: usize = 16;
@@ -57,7 +57,7 @@ impl Blender {
     /// Appends `(1 - share) * from[0] + share * from[1]`. Both vertices must exist. O(scalars).
     pub fn push(&mut self, from: [u32; 2], share: f32) {
         let Some(first) = self.attributes.first() else { return };
-        let vertex = (first.values().len() / first.width()) as u32;
+        let vertex = (first.len() / first.width()) as u32;
         self.attributes.iter_mut().for_each(Attribute::push_row);
         self.put(vertex, from, share);
     }
@@ -74,10 +74,9 @@ impl Blender {
             if self.skin.iter().flatten().any(|&stream| stream == i) {
                 continue;
             }
-            match &mut attribute.values {
-                AttributeValues::Float(values) if Some(i) != self.tangent => {
-                    blend_row(values, attribute.width, vertex, from, share);
-                }
+            let width = attribute.width;
+            match attribute.floats_mut() {
+                Some(values) if Some(i) != self.tangent => blend_row(values, width, vertex, from, share),
                 _ => attribute.copy_row(nearer, vertex),
             }
         }
@@ -94,16 +93,17 @@ impl Blender {
     /// Returns the first three scalars of a vertex in a stream.
     fn vector(&self, stream: usize, vertex: u32) -> Vec3 {
         let attribute = &self.attributes[stream];
-        match &attribute.values {
-            AttributeValues::Float(v) => Vec3::from_slice(&v[vertex as usize * attribute.width..][..3]),
-            _ => Vec3::ZERO,
+        match attribute.as_floats() {
+            Some(v) => Vec3::from_slice(&v[vertex as usize * attribute.width..][..3]),
+            None => Vec3::ZERO,
         }
     }
 
     fn set_vector(&mut self, stream: usize, vertex: u32, vector: Vec3) {
         let attribute = &mut self.attributes[stream];
-        if let AttributeValues::Float(v) = &mut attribute.values {
-            vector.write_to_slice(&mut v[vertex as usize * attribute.width..][..3]);
+        let start = vertex as usize * attribute.width;
+        if let Some(v) = attribute.floats_mut() {
+            vector.write_to_slice(&mut v[start..][..3]);
         }
     }
 
@@ -122,10 +122,8 @@ impl Blender {
     fn put_tangent(&mut self, vertex: u32, from: [u32; 2], share: f32, nearer: u32) {
         let Some(stream) = self.tangent else { return };
         let attribute = &self.attributes[stream];
-        let hand = |v: u32| match &attribute.values {
-            AttributeValues::Float(values) if attribute.width > 3 => {
-                values[v as usize * attribute.width + 3] < 0.0
-            }
+        let hand = |v: u32| match attribute.as_floats() {
+            Some(values) if attribute.width > 3 => values[v as usize * attribute.width + 3] < 0.0,
             _ => false,
         };
         let normal = self.normal.map_or(Vec3::ZERO, |normal| self.vector(normal, vertex));
@@ -157,10 +155,10 @@ impl Blender {
             for &[joints, weights] in &self.skin {
                 let (joints, weights) = (&self.attributes[joints], &self.attributes[weights]);
                 for slot in v as usize * joints.width..(v as usize + 1) * joints.width {
-                    let weight = weights.scalar(slot);
+                    let weight = weights.scalar_at(slot);
                     if weight.is_finite() && weight > 0.0 {
                         sums[end] += weight;
-                        set.push([joints.scalar(slot), part * weight]);
+                        set.push([joints.scalar_at(slot), part * weight]);
                     }
                 }
             }

@@ -15,7 +15,7 @@ use glam::DVec3;
 use crate::geometry::sets::Sets;
 
 use super::edges::next_half_edge;
-use super::{Attribute, AttributeValues, Edges, Mesh, NONE, Topology, names};
+use super::{Attribute, Edges, Mesh, NONE, Topology, names};
 
 /// Edges turning by less are flat. No crease angle applies to flat edges: rounding alone makes turns of this size.
 const FLAT_DEGREES: f64 = 0.02;
@@ -185,8 +185,8 @@ impl Mesh {
             None => self.attributes.insert(0, made),
         }
         let tangents = self.attributes.iter_mut().find(|a| a.name() == names::TANGENT && a.width >= 3);
-        let Some(Attribute { width, values: AttributeValues::Float(values), .. }) = tangents else { return };
-        for (tangent, normal) in values.chunks_mut(*width).zip(normals) {
+        let Some((width, Some(values))) = tangents.map(|a| (a.width(), a.floats_mut())) else { return };
+        for (tangent, normal) in values.chunks_mut(width).zip(normals) {
             let normal = DVec3::from_array(normal.map(f64::from));
             let old = DVec3::from_array([tangent[0], tangent[1], tangent[2]].map(f64::from));
             let flat = (old - normal * normal.dot(old)).normalize_or(normal.any_orthonormal_vector());

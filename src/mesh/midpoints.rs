@@ -9,10 +9,12 @@ impl Mesh {
     /// Moves vertices to the midpoint of two others and blends their values, in order. Labels are copied from the first
     /// end.
     pub(crate) fn with_midpoints(mut self, ends: impl Iterator<Item = (u32, [u32; 2])> + Clone) -> Self {
-        for (vertex, [a, b]) in ends.clone() {
-            let [a, b] = [a, b].map(|end| self.positions[end as usize]);
-            self.positions[vertex as usize] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
-        }
+        self.positions.edit(|positions| {
+            for (vertex, [a, b]) in ends.clone() {
+                let [a, b] = [a, b].map(|end| positions[end as usize]);
+                positions[vertex as usize] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
+            }
+        });
         let mut blender = Blender::new(&self.attributes, 0);
         ends.for_each(|(vertex, from)| blender.put(vertex, from, 0.5));
         self.attributes = blender.finish();
@@ -22,13 +24,13 @@ impl Mesh {
     /// Replaces the positions by as many finite positions.
     pub(crate) fn with_positions(mut self, positions: Vec<[f32; 3]>) -> Self {
         debug_assert_eq!(positions.len(), self.positions.len());
-        self.positions = positions;
+        self.positions = positions.into();
         self
     }
 
-    /// Positions for writing. New positions must be finite.
-    pub(crate) fn positions_mut(&mut self) -> &mut [[f32; 3]] {
-        &mut self.positions
+    /// Changes positions. New positions must be finite.
+    pub(crate) fn edit_positions<R>(&mut self, edit: impl FnOnce(&mut [[f32; 3]]) -> R) -> R {
+        self.positions.edit(|positions| edit(positions))
     }
 
     /// Replaces the normals by area-weighted means of the triangles around each position. Vertices at equal positions

@@ -29,6 +29,8 @@ mod mesh_point;
 mod midpoints;
 mod near;
 mod report;
+#[cfg(feature = "io")]
+mod sections;
 pub mod shapes;
 mod tolerances;
 mod topology;

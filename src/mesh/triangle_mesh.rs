@@ -3,6 +3,7 @@
 use glam::Vec3A;
 
 use crate::error::MeshError;
+use crate::geometry::array::Array;
 use crate::geometry::boxes;
 
 use super::Attribute;
@@ -34,7 +35,7 @@ pub const MAX_ELEMENTS: usize = 1 << 30;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]
 pub struct Mesh {
-    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) positions: Array<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) attributes: Vec<Attribute>,
     pub(super) materials: Vec<u32>,
@@ -67,13 +68,10 @@ impl Mesh {
         triangles: impl Into<Vec<[u32; 3]>>,
     ) -> Result<Self, MeshError> {
         let (positions, triangles) = (positions.into(), triangles.into());
-        for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
-            if count > MAX_ELEMENTS {
-                return Err(MeshError::TooMany { what, count, limit: MAX_ELEMENTS });
-            }
-        }
-        if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(MeshError::NonFinitePosition { vertex, position: positions[vertex] });
+        check_positions(&positions)?;
+        if triangles.len() > MAX_ELEMENTS {
+            let (what, count, limit) = ("triangles", triangles.len(), MAX_ELEMENTS);
+            return Err(MeshError::TooMany { what, count, limit });
         }
         let vertices = positions.len();
         for (triangle, corners) in triangles.iter().enumerate() {
@@ -81,7 +79,7 @@ impl Mesh {
                 return Err(MeshError::IndexOutOfRange { triangle, index, vertices });
             }
         }
-        Ok(Self { positions, triangles, ..Self::default() })
+        Ok(Self { positions: positions.into(), triangles, ..Self::default() })
     }
 
     /// Adds an attribute stream.
@@ -94,6 +92,23 @@ impl Mesh {
             return Err(MeshError::DuplicateAttribute { name: attribute.name().to_owned() });
         }
         self.attributes.push(attribute);
+        Ok(self)
+    }
+
+    /// Sets all attribute streams.
+    ///
+    /// # Errors
+    /// As [`Mesh::with_attribute`].
+    #[cfg(feature = "serde")]
+    pub(super) fn with_streams(mut self, attributes: Vec<Attribute>) -> Result<Self, MeshError> {
+        // Sorted names: a great many attributes must not cost quadratic time.
+        let mut names: Vec<&str> = attributes.iter().map(Attribute::name).collect();
+        names.sort_unstable();
+        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(MeshError::DuplicateAttribute { name: twice[0].to_owned() });
+        }
+        attributes.iter().try_for_each(|attribute| attribute.check(self.positions.len()))?;
+        self.attributes = attributes;
         Ok(self)
     }
 
@@ -155,16 +170,14 @@ impl Mesh {
     /// Fails if the origin is not finite, or lies so far off that a position is not finite.
     pub fn moved_to(&self, origin: [f64; 3]) -> Result<Self, MeshError> {
         let mut moved = self.clone().with_origin(origin)?;
-        for (vertex, position) in moved.positions.iter_mut().enumerate() {
-            for axis in 0..3 {
-                // Subtract the origins first: both are large, and near each other.
-                position[axis] = (f64::from(position[axis]) + (self.origin[axis] - origin[axis])) as f32;
-            }
-            if !position.iter().all(|x| x.is_finite()) {
-                return Err(MeshError::NonFinitePosition { vertex, position: *position });
-            }
+        // Subtract the origins first: both are large, and near each other.
+        let by: [f64; 3] = std::array::from_fn(|axis| self.origin[axis] - origin[axis]);
+        let place = |p: &[f32; 3]| std::array::from_fn(|axis| (f64::from(p[axis]) + by[axis]) as f32);
+        moved.positions = self.positions.iter().map(place).collect();
+        match moved.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            Some(vertex) => Err(MeshError::NonFinitePosition { vertex, position: moved.positions[vertex] }),
+            None => Ok(moved),
         }
-        Ok(moved)
     }
 
     /// Takes the origin of `other`, from which this mesh was made.
@@ -189,6 +202,7 @@ impl Mesh {
         material_names: Vec<String>,
         locks: Vec<bool>,
     ) -> Self {
+        let positions = positions.into();
         Self { positions, triangles, attributes, materials, material_names, locks, origin: [0.0; 3] }
     }
 
@@ -282,6 +296,7 @@ struct Parts {
 impl From<Mesh> for Parts {
     fn from(mesh: Mesh) -> Self {
         let Mesh { positions, triangles, attributes, materials, material_names, locks, origin } = mesh;
+        let positions = positions.into_vec();
         Self { positions, triangles, attributes, materials, material_names, locks, origin }
     }
 }
@@ -291,20 +306,24 @@ impl TryFrom<Parts> for Mesh {
     type Error = MeshError;
 
     fn try_from(parts: Parts) -> Result<Self, MeshError> {
-        let mut mesh = Mesh::new(parts.positions, parts.triangles)?
+        Mesh::new(parts.positions, parts.triangles)?
             .with_materials(parts.materials)?
             .with_material_names(parts.material_names)
             .with_locks(parts.locks)?
-            .with_origin(parts.origin)?;
-        // Sorted names: a great many attributes must not cost quadratic time.
-        let mut names: Vec<&str> = parts.attributes.iter().map(Attribute::name).collect();
-        names.sort_unstable();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(MeshError::DuplicateAttribute { name: twice[0].to_owned() });
-        }
-        parts.attributes.iter().try_for_each(|attribute| attribute.check(mesh.positions.len()))?;
-        mesh.attributes = parts.attributes;
-        Ok(mesh)
+            .with_origin(parts.origin)?
+            .with_streams(parts.attributes)
+    }
+}
+
+/// Checks that there are not too many positions, and that all are finite.
+pub(super) fn check_positions(positions: &[[f32; 3]]) -> Result<(), MeshError> {
+    if positions.len() > MAX_ELEMENTS {
+        let (what, count, limit) = ("vertices", positions.len(), MAX_ELEMENTS);
+        return Err(MeshError::TooMany { what, count, limit });
+    }
+    match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        Some(vertex) => Err(MeshError::NonFinitePosition { vertex, position: positions[vertex] }),
+        None => Ok(()),
     }
 }
 

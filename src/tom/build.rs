@@ -1,5 +1,6 @@
 //! From a collapse sequence to the total order: number vertices by reverse removal, sort triangles by when they vanish.
 
+use crate::geometry::array::Array;
 use crate::geometry::lists::prefix_sum;
 use crate::mesh::{Mesh, NONE};
 use crate::sequence::CollapseSequence;
@@ -74,14 +75,14 @@ impl TotallyOrderedMesh {
 
         let mut tom = Self {
             substitute: (0..collapse_forest.real).map(|v| collapse_forest.parent(v)).collect(),
-            joined,
+            joined: joined.into(),
             base_vertices,
             triangles,
-            error_marks: Vec::new(),
-            material_of,
-            material_ids,
+            error_marks: Array::default(),
+            material_of: material_of.into(),
+            material_ids: material_ids.into(),
         };
-        tom.error_marks = error_marks(&collapse_forest, sequence);
+        tom.error_marks = error_marks(&collapse_forest, sequence).into();
         debug_assert_eq!(tom.validate(), Ok(()));
         debug_assert_eq!(left as usize, tom.triangles_at(base_vertices) as usize);
         Ok(TomBuild { tom, vertex_order: collapse_forest.order, triangle_order })

@@ -58,6 +58,8 @@ mod geomorph;
 mod indices;
 mod instance;
 mod level;
+#[cfg(feature = "io")]
+mod sections;
 mod steps;
 mod totally_ordered_mesh;
 mod validate;

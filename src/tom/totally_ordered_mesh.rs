@@ -1,13 +1,15 @@
 //! [`TotallyOrderedMesh`]: the arrays, and what is read off them.
 
+use crate::geometry::array::Array;
 use crate::mesh::NONE;
 
 #[cfg(feature = "serde")]
 use super::TomParts;
 
 /// A bound for the error from a number of active vertices on.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct ErrorMark {
     /// Active vertices of a resolution.
     pub vertices: u32,
@@ -34,19 +36,19 @@ pub struct ErrorMark {
 #[cfg_attr(feature = "serde", serde(try_from = "TomParts", into = "TomParts"))]
 pub struct TotallyOrderedMesh {
     /// Earlier vertex that replaces each vertex; base vertices name themselves.
-    pub(super) substitute: Vec<u32>,
+    pub(super) substitute: Array<u32>,
     /// 1 bit a vertex, set if it comes and goes with the vertex before it. Empty if no bit is set. Kept apart so that
     /// following a chain is a single load a hop.
-    pub(super) joined: Vec<u64>,
+    pub(super) joined: Array<u64>,
     pub(super) base_vertices: u32,
     /// Corners at full resolution, last vanishing first.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Array<[u32; 3]>,
     /// Ascending in vertices, falling in error; the first is the base.
-    pub(super) error_marks: Vec<ErrorMark>,
+    pub(super) error_marks: Array<ErrorMark>,
     /// Per triangle an index into `material_ids`; empty with fewer than 2 materials.
-    pub(super) material_of: Vec<u32>,
+    pub(super) material_of: Array<u32>,
     /// The material ids in use, ascending.
-    pub(super) material_ids: Vec<u32>,
+    pub(super) material_ids: Array<u32>,
 }
 
 impl TotallyOrderedMesh {

@@ -37,7 +37,15 @@ impl From<TotallyOrderedMesh> for TomParts {
             material_of,
             material_ids,
         } = tom;
-        Self { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids }
+        Self {
+            substitute: substitute.into_vec(),
+            joined: joined.into_vec(),
+            base_vertices,
+            triangles: triangles.into_vec(),
+            error_marks: error_marks.into_vec(),
+            material_of: material_of.into_vec(),
+            material_ids: material_ids.into_vec(),
+        }
     }
 }
 
@@ -47,8 +55,15 @@ impl TryFrom<TomParts> for TotallyOrderedMesh {
     fn try_from(parts: TomParts) -> Result<Self, TomError> {
         let TomParts { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids } =
             parts;
-        let tom =
-            Self { substitute, joined, base_vertices, triangles, error_marks, material_of, material_ids };
+        let tom = Self {
+            substitute: substitute.into(),
+            joined: joined.into(),
+            base_vertices,
+            triangles: triangles.into(),
+            error_marks: error_marks.into(),
+            material_of: material_of.into(),
+            material_ids: material_ids.into(),
+        };
         tom.validate()?;
         Ok(tom)
     }
@@ -64,16 +79,31 @@ impl TotallyOrderedMesh {
     /// # Errors
     /// Names the first element to break a promise.
     pub fn validate(&self) -> Result<(), TomError> {
+        self.validate_lengths()?;
+        self.validate_substitutes()?;
+        self.validate_triangles()?;
+        self.validate_error_marks()?;
+        self.validate_materials()
+    }
+
+    /// Checks the lengths of all arrays: what a trusted file must have.
+    pub(super) fn validate_lengths(&self) -> Result<(), TomError> {
         let limit = |what, found, expected| {
             if found <= expected { Ok(()) } else { Err(TomError::Length { what, found, expected }) }
         };
         limit("vertices", self.substitute.len(), MAX_ELEMENTS)?;
         limit("triangles", self.triangles.len(), MAX_ELEMENTS)?;
         limit("base vertices", self.base_vertices as usize, self.substitute.len())?;
-        self.validate_substitutes()?;
-        self.validate_triangles()?;
-        self.validate_error_marks()?;
-        self.validate_materials()
+        let expected = if self.joined.is_empty() { 0 } else { self.substitute.len().div_ceil(64) };
+        if self.joined.len() != expected {
+            return Err(TomError::Length { what: "group words", found: self.joined.len(), expected });
+        }
+        let expected = if self.material_ids.len() > 1 { self.triangles.len() } else { 0 };
+        if self.material_of.len() != expected {
+            let (what, found) = ("triangle materials", self.material_of.len());
+            return Err(TomError::Length { what, found, expected });
+        }
+        Ok(())
     }
 
     fn validate_substitutes(&self) -> Result<(), TomError> {
@@ -87,10 +117,6 @@ impl TotallyOrderedMesh {
                 return Err(TomError::LateSubstitute { vertex, substitute: entry });
             }
         }
-        let expected = if self.joined.is_empty() { 0 } else { self.substitute.len().div_ceil(64) };
-        if self.joined.len() != expected {
-            return Err(TomError::Length { what: "group words", found: self.joined.len(), expected });
-        }
         let inside = base + 1..self.substitute.len();
         let stray = (0..64 * self.joined.len()).find(|&v| self.is_joined(v as u32) && !inside.contains(&v));
         stray.map_or(Ok(()), |vertex| Err(TomError::Group { vertex }))
@@ -98,7 +124,7 @@ impl TotallyOrderedMesh {
 
     fn validate_triangles(&self) -> Result<(), TomError> {
         let vertices = self.substitute.len();
-        let forest = Forest::new(self.substitute.clone());
+        let forest = Forest::new(self.substitute.to_vec());
         let mut group = 0;
         let groups = (0..vertices as u32).map(|v| {
             group += u32::from(v >= self.base_vertices && !self.is_joined(v));
@@ -144,14 +170,6 @@ impl TotallyOrderedMesh {
     }
 
     fn validate_materials(&self) -> Result<(), TomError> {
-        let expected = if self.material_ids.len() > 1 { self.triangles.len() } else { 0 };
-        if self.material_of.len() != expected {
-            return Err(TomError::Length {
-                what: "triangle materials",
-                found: self.material_of.len(),
-                expected,
-            });
-        }
         if let Some(entry) = self.material_ids.windows(2).position(|w| w[0] >= w[1]) {
             return Err(TomError::Material { entry: entry + 1 });
         }

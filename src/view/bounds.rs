@@ -8,8 +8,9 @@ use super::region;
 ///
 /// The sphere contains the part of the input's surface changed by the refinement. The cone contains the normals of this
 /// part. Quantised cones are widened by the rounding error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct Bounds {
     /// Centre of the sphere, object units.
     pub centre: [f32; 3],

@@ -37,6 +37,23 @@ pub(super) fn sphere_holds((a, radius): ([f32; 3], f32), (b, inner): ([f32; 3], 
 
 /// Whether a cone contains another cone.
 pub(super) fn cone_holds(outer: [i8; 4], inner: [i8; 4]) -> bool {
+    surely_holds(outer, inner) || holds_exactly(outer, inner)
+}
+
+/// Whether a cone contains another cone by more than rounding, or they have one axis: cosines instead of angles.
+fn surely_holds(outer: [i8; 4], inner: [i8; 4]) -> bool {
+    let [wide, narrow] = [outer[3] as u8, inner[3] as u8];
+    let [a, b] = [outer, inner].map(|[x, y, z, _]| [x, y, z].map(i32::from));
+    if outer[3] == ANY || inner[3] == ANY || wide < narrow || a == [0; 3] || b == [0; 3] {
+        return false;
+    }
+    let dot = |a: [i32; 3], b: [i32; 3]| f64::from(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+    let [_, cosine] = ANGLES[usize::from(wide - narrow)];
+    let (cosine, along) = (cosine + 1e-9, dot(a, b));
+    a == b || along > 0.0 && along * along > cosine * cosine * (dot(a, a) * dot(b, b))
+}
+
+fn holds_exactly(outer: [i8; 4], inner: [i8; 4]) -> bool {
     match (unpack(outer), unpack(inner)) {
         (None, _) => true,
         (Some(_), None) => false,
@@ -108,5 +125,26 @@ mod tests {
                 assert!(angle > FRAC_PI_2 - 0.02);
             }
         }
+    }
+
+    /// Cosines say yes only where angles do.
+    #[test]
+    fn the_quick_answer_is_right() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as i8
+        };
+        let mut quick = 0;
+        for _ in 0..200_000 {
+            let outer: [i8; 4] = std::array::from_fn(|_| random());
+            let mut inner: [i8; 4] = std::array::from_fn(|i| outer[i].saturating_add(random() / 16));
+            inner[3] = random();
+            if surely_holds(outer, inner) {
+                quick += 1;
+                assert!(holds_exactly(outer, inner), "{outer:?} {inner:?}");
+            }
+        }
+        assert!(quick > 10_000, "{quick}");
     }
 }

@@ -197,9 +197,10 @@ impl WaveletMesh {
     }
 
     fn put(&mut self, vertex: u32, to: [f32; 3], before: &mut Vec<(u32, [f32; 3])>) {
-        let position = &mut self.vertices.positions_mut()[vertex as usize];
-        if position.map(f32::to_bits) != to.map(f32::to_bits) {
-            before.push((vertex, std::mem::replace(position, to)));
+        let from = self.vertices.positions()[vertex as usize];
+        if from.map(f32::to_bits) != to.map(f32::to_bits) {
+            before.push((vertex, from));
+            self.vertices.edit_positions(|positions| positions[vertex as usize] = to);
         }
     }
 

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::adapt::Refinements;
+use crate::geometry::array::Array;
 use crate::geometry::boxes;
 use crate::lod::Progress;
 use crate::mesh::{Mesh, Used};
@@ -47,8 +48,8 @@ pub struct WaveletMesh {
     /// Different material ids, ascending; empty for a mesh without materials.
     pub(super) materials: Vec<u32>,
     /// Per base face the index of its material in `materials`; empty for a mesh without materials.
-    pub(super) group_of: Vec<u16>,
-    pub(super) bounds: Vec<WaveletBounds>,
+    pub(super) group_of: Array<u16>,
+    pub(super) bounds: Array<WaveletBounds>,
     pub(super) options: WaveletOptions,
     pub(super) diagonal: f64,
     /// The box around all vertices; `None` without vertices.
@@ -120,13 +121,13 @@ impl WaveletMesh {
             vertices,
             materials: ids,
             group_of,
-            bounds: Vec::new(),
+            bounds: Array::default(),
             options: *options,
             diagonal: 0.0,
             extent: None,
         };
         mesh.measure();
-        mesh.bounds = bounds(&mesh, progress).ok_or(WaveletError::Cancelled)?;
+        mesh.bounds = bounds(&mesh, progress).ok_or(WaveletError::Cancelled)?.into();
         Ok(mesh)
     }
 

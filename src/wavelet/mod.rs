@@ -38,6 +38,8 @@ mod mesh;
 mod options;
 mod parts;
 mod recognise;
+#[cfg(feature = "io")]
+mod sections;
 mod sources;
 mod subdivision;
 mod transform;

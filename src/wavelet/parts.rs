@@ -52,8 +52,8 @@ impl From<WaveletMesh> for WaveletParts {
             base: mesh.subdivision.base,
             vertices: mesh.vertices,
             materials: mesh.materials,
-            group_of: mesh.group_of,
-            bounds: mesh.bounds,
+            group_of: mesh.group_of.into_vec(),
+            bounds: mesh.bounds.into_vec(),
             options: mesh.options,
         }
     }
@@ -66,6 +66,7 @@ impl TryFrom<WaveletParts> for WaveletMesh {
     fn try_from(parts: WaveletParts) -> Result<Self, WaveletError> {
         let subdivision = parts.grow()?;
         let WaveletParts { vertices, materials, group_of, bounds, options, .. } = parts;
+        let (group_of, bounds) = (group_of.into(), bounds.into());
         let mut mesh =
             Self { subdivision, vertices, materials, group_of, bounds, options, diagonal: 0.0, extent: None };
         mesh.measure();

@@ -22,15 +22,15 @@ use super::subdivision::{Part, SubdivisionBuilder};
 use super::{Subdivision, WaveletError, WaveletMesh, WaveletParts};
 
 /// Input for growing a subdivision, as in [`WaveletParts`].
-struct Seeds<'a> {
-    base: &'a [[u32; 3]],
-    base_vertices: u32,
-    sides: &'a [[u32; 3]],
-    split: &'a [u64],
-    seams: &'a [[u32; 2]],
-    beside: &'a [[u32; 3]],
+pub(super) struct Seeds<'a> {
+    pub base: &'a [[u32; 3]],
+    pub base_vertices: u32,
+    pub sides: &'a [[u32; 3]],
+    pub split: &'a [u64],
+    pub seams: &'a [[u32; 2]],
+    pub beside: &'a [[u32; 3]],
     /// Number of all vertices.
-    vertices: usize,
+    pub vertices: usize,
 }
 
 impl WaveletParts {
@@ -43,7 +43,8 @@ impl WaveletParts {
 }
 
 impl Seeds<'_> {
-    fn grow(&self) -> Result<Subdivision, WaveletError> {
+    /// Grows the connectivity; fails if the seeds are broken or do not fit the number of vertices.
+    pub fn grow(&self) -> Result<Subdivision, WaveletError> {
         let mut builder = self.base_faces()?;
         loop {
             let of = builder.subdivision();
@@ -165,21 +166,27 @@ impl WaveletMesh {
         self.check_values()
     }
 
-    /// Checks everything except the connectivity.
-    pub(super) fn check_values(&self) -> Result<(), WaveletError> {
+    /// Checks the lengths of arrays: what a trusted file must have.
+    pub(super) fn check_lengths(&self) -> Result<(), WaveletError> {
         let of = &self.subdivision;
         expect("vertices", self.vertices.positions().len(), of.vertex_count())?;
         expect("triangles beside the faces", self.vertices.triangles().len(), 0)?;
         at_most("materials", self.materials.len(), MOST_MATERIALS)?;
+        let grouped = if self.materials.is_empty() { 0 } else { of.base_face_count() };
+        expect("groups of base faces", self.group_of.len(), grouped)?;
+        expect("bounds", self.bounds.len(), of.wavelet_count())
+    }
+
+    /// Checks everything except the connectivity.
+    pub(super) fn check_values(&self) -> Result<(), WaveletError> {
+        let of = &self.subdivision;
+        self.check_lengths()?;
         if let Some(at) = self.materials.windows(2).position(|w| w[0] >= w[1]) {
             return broken("materials that do not ascend", at + 1);
         }
-        let grouped = if self.materials.is_empty() { 0 } else { of.base_face_count() };
-        expect("groups of base faces", self.group_of.len(), grouped)?;
         if let Some(face) = self.group_of.iter().position(|&g| usize::from(g) >= self.materials.len()) {
             return broken("no such material of base face", face);
         }
-        expect("bounds", self.bounds.len(), of.wavelet_count())?;
         let is_length = |x: &f32| x.is_finite() && *x >= 0.0;
         if let Some(wavelet) =
             self.bounds.iter().position(|b| ![b.radius, b.along, b.across].iter().all(is_length))

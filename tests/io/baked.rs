@@ -8,6 +8,9 @@ use multires::io::{self, BakeError, atomic};
 use multires::mesh::{Attribute, AttributeValues, Mesh};
 use proptest::prelude::*;
 
+/// Start of the only section: after the header and an entry of the table.
+const PAYLOAD: usize = 128;
+
 fn mesh() -> Mesh {
     let positions: Vec<[f32; 3]> = (0..7).map(|i| [i as f32, -0.0, 1.0 / (i + 1) as f32]).collect();
     let mesh = Mesh::new(positions, [[0, 1, 2], [2, 1, 3], [4, 5, 5]]).unwrap();
@@ -22,7 +25,7 @@ fn a_value_comes_back_equal_and_from_equal_bytes() {
     assert_eq!(io::bake("mesh", &mesh()).unwrap(), bytes);
     assert_eq!(io::baked_kind(&bytes).unwrap(), "mesh");
     assert_eq!(io::unbake::<Mesh>("mesh", &bytes).unwrap(), mesh());
-    assert_eq!(&bytes[..16], b"\x89MRES\r\n\x1a\x03\0\0\0mesh");
+    assert_eq!(&bytes[..16], b"\x89MRES\r\n\x1a\x04\0\0\0mesh");
     let large = (0..3_000_000_u32).collect::<Vec<_>>();
     assert_eq!(io::unbake::<Vec<u32>>("n", &io::bake("n", &large).unwrap()).unwrap(), large);
 }
@@ -54,7 +57,7 @@ fn each_kind_of_mismatch_is_told_apart() {
     assert!(matches!(unbake(&[&bytes[..], &[0, 0]].concat()), BakeError::Trailing { bytes: 2 }));
     let mut newer = bytes.clone();
     newer[8] = 9;
-    assert!(matches!(unbake(&newer), BakeError::OtherVersion { found: 9, expected: 3 }));
+    assert!(matches!(unbake(&newer), BakeError::OtherVersion { found: 9, expected: 4 }));
     match io::unbake::<Mesh>("tom", &bytes).unwrap_err() {
         BakeError::OtherKind { found, expected } => assert_eq!((&*found, &*expected), ("mesh", "tom")),
         error => panic!("{error}"),
@@ -63,7 +66,7 @@ fn each_kind_of_mismatch_is_told_apart() {
     assert!(matches!(io::bake("", &0).unwrap_err(), BakeError::BadKind { .. }));
 
     // A right checksum does not make content right: here left-over bytes, then an index that names nothing.
-    let payload = &bytes[44..];
+    let payload = &bytes[PAYLOAD..];
     assert_eq!(io::unbake::<Mesh>("mesh", &forged(payload)).unwrap(), mesh());
     assert!(matches!(unbake(&forged(&[payload, &[0; 3]].concat())), BakeError::Trailing { bytes: 3 }));
     let mut beyond = payload.to_vec();
@@ -95,7 +98,7 @@ proptest! {
         value in any::<[u8; 4]>(),
         noise in prop::collection::vec(any::<u8>(), 0..200),
     ) {
-        let mut payload = io::bake("mesh", &mesh()).unwrap().split_off(44);
+        let mut payload = io::bake("mesh", &mesh()).unwrap().split_off(PAYLOAD);
         let at = at.index(payload.len() - 4);
         payload[at..at + 4].copy_from_slice(&value);
         for content in [&payload[..], &noise] {

@@ -13,8 +13,6 @@ use multires::simplify::{Placement, Simplifier};
 use multires::view::{Answer, Bounds, Criterion, Motion};
 use multires::wavelet::{WaveletBuilder, WaveletMesh, WaveletOptions};
 use multires::{Error, Gmesh, MeshError, TotallyOrderedMesh, VertexHierarchy};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 /// A mesh that all structures take, with a texture seam and two materials.
 fn mesh() -> Mesh {
@@ -23,7 +21,7 @@ fn mesh() -> Mesh {
     rock.with_attribute(Attribute::floats(names::UV, &uv)).unwrap()
 }
 
-fn written<S: Structure + Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(mesh: &Mesh)
+fn written<S: io::Stored + PartialEq + std::fmt::Debug>(mesh: &Mesh)
 where
     Error: From<S::Error>,
     S::Error: std::fmt::Debug,
@@ -257,7 +255,7 @@ fn builds_tell_how_far_they_are_and_stop() {
 /// A model without triangles, and one without vertices, are models.
 #[test]
 fn nothing_is_a_model_too() {
-    fn nothing<S: Structure + Serialize + DeserializeOwned>(mesh: &Mesh)
+    fn nothing<S: io::Stored>(mesh: &Mesh)
     where
         S::Error: std::fmt::Debug,
     {

@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use multires::gmesh::{Gmesh, GmeshOptions};
 use multires::hierarchy::{Dependencies, HierarchyOptions, VertexHierarchy};
+use multires::io::{BakeOptions, Compression, Stored};
 use multires::lod::{FromSequence, Structure as _};
 use multires::mesh::Mesh;
 use multires::simplify::{CollapseSequence, Normals, NormalsDone, Target};
@@ -63,6 +64,9 @@ pub struct Build {
     /// Stop simplifying at this many triangles [default: at the base mesh].
     #[arg(long, value_name = "N")]
     coarsest: Option<usize>,
+    /// Compress the file to less than half its size. It then takes longer to open, since its arrays are not used in place.
+    #[arg(long)]
+    compress: bool,
     /// Remesh first: for wavelets of a mesh without subdivision connectivity.
     #[arg(long)]
     remesh: bool,
@@ -292,7 +296,9 @@ impl Build {
     fn answer(&self, built: Built) -> Result<Answer, Failure> {
         let Built { model, start, input, input_text, notes, members, rows } = built;
         let seconds = start.elapsed().as_secs_f64();
-        model.0.write(&self.output).map_err(|error| files::baked(&self.output, &error))?;
+        let compression = if self.compress { Compression::Lz4 } else { Compression::None };
+        let options = BakeOptions::default().with_compression(compression);
+        model.0.write_with(&self.output, options).map_err(|error| files::baked(&self.output, &error))?;
         let bytes = files::size(&self.output);
         let facts = Facts::new(&model);
         let mut json = json!({
@@ -314,11 +320,6 @@ impl Build {
         Ok(Answer { json, text: table.text(), warnings: notes })
     }
 }
-
-/// A structure to be stored in files.
-trait Stored: serde::Serialize + serde::de::DeserializeOwned {}
-
-impl<T: serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
 
 /// The model built, and facts to report besides.
 struct Built {

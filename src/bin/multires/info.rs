@@ -16,7 +16,7 @@ use crate::{files, simplify};
 ///
 /// For a mesh: counts, borders and non-manifold parts, as stored and with vertices at the same position welded; attributes
 /// and their widths, materials, bounds, memory. For a baked file: its kind, the finest and the coarsest level, and memory
-/// in percent of the finest level as a plain mesh. Besides, for a totally ordered mesh: error bounds; for a vertex
+/// in percent of the finest level as a plain mesh, and sections with their sizes. Besides, for a totally ordered mesh: error bounds; for a vertex
 /// hierarchy: splits and dependencies; for a wavelet mesh: base faces, wavelets and levels.
 #[derive(Args)]
 pub struct Info {
@@ -72,6 +72,10 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
 
 fn baked(path: &Path) -> Result<Answer, Failure> {
     let model = Model::read(path)?;
+    // Header and table are all that is needed, and were read just now.
+    let file = std::fs::read(path).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+    let version = io::baked_version(&file).map_err(|error| files::baked(path, &error))?;
+    let sections = io::baked_sections(&file).map_err(|error| files::baked(path, &error))?;
     let Facts { members, rows } = Facts::new(&model);
     let (vertices, bytes) = (model.vertices(), files::size(path));
     let name = |id: u32| vertices.material_names().get(id as usize);
@@ -81,8 +85,9 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
         "file": path.display().to_string(),
         "format": "mres",
         "kind": model.0.kind(),
-        "version": io::BAKED_VERSION,
+        "version": version,
         "bytes": bytes,
+        "sections": sections.iter().map(section).collect::<Vec<Value>>(),
         "attributes": attributes(vertices),
         "materials": list,
         "bounds": model.0.bounds(),
@@ -93,13 +98,31 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
     let mut table = Table::default();
     table.row("file", path.display());
     let kind = model.0.kind();
-    table.row("kind", format!("{kind}, format version {}, {bytes} bytes", io::BAKED_VERSION));
+    table.row("kind", format!("{kind}, format version {version}, {bytes} bytes"));
     table.block(rows.text());
     common_rows(&mut table, vertices);
     if !materials.is_empty() {
         table.row("materials", materials.len());
     }
+    for section in &sections {
+        let elements = section.plain / section.element;
+        let plain = if section.compressed { format!(", {} in memory", section.plain) } else { String::new() };
+        let (name, stored, element) = (&section.name, section.stored, section.element);
+        table.row("section", format!("{name}: {elements} of {element} bytes, {stored} bytes{plain}"));
+    }
     Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+}
+
+/// Describes a section, for JSON.
+fn section(section: &io::SectionInfo) -> Value {
+    json!({
+        "name": section.name,
+        "offset": section.offset,
+        "stored": section.stored,
+        "plain": section.plain,
+        "element": section.element,
+        "compressed": section.compressed,
+    })
 }
 
 /// Returns a report's counts and facts derived from them.

@@ -43,8 +43,9 @@ const FEW: usize = 16;
 
 /// Bounds of a wavelet, 16 bytes. Not stored: the centre, which is its vertex, and the shape of errors, common to all.
 /// The numbers are explained at [`DeviationBounds`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct WaveletBounds {
     /// Radius of the sphere around all changes where the wavelet is left out, object units.
     pub radius: f32,
@@ -276,10 +277,10 @@ pub(crate) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
     let of = mesh.subdivision();
     if room(diagonal) != room(mesh.diagonal()) {
         let all = (0..of.wavelet_count() as u32).collect();
-        mesh.bounds = all_bounds(mesh);
+        mesh.bounds = all_bounds(mesh).into();
         return all;
     }
-    let mut all = std::mem::take(&mut mesh.bounds);
+    let mut all = std::mem::take(&mut mesh.bounds).into_vec();
     let of = mesh.subdivision();
     let siblings = mesh.options().bound == ErrorBound::WithoutSiblings;
     let wavelets = wavelets_over(of, faces, siblings);
@@ -296,7 +297,7 @@ pub(crate) fn update(mesh: &mut WaveletMesh, faces: Vec<u32>, diagonal: f64) -> 
         }
         end = start;
     }
-    mesh.bounds = all;
+    mesh.bounds = all.into();
     wavelets
 }
 

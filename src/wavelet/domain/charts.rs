@@ -127,7 +127,7 @@ impl WaveletMesh {
         if mesh.diagonal.to_bits() != self.diagonal.to_bits()
             || mesh.subdivision.interior_seams != of.interior_seams
         {
-            mesh.bounds = all_bounds(&mesh);
+            mesh.bounds = all_bounds(&mesh).into();
         }
         Ok(mesh)
     }
