@@ -471,3 +471,37 @@ fn files_of_version_3_open() {
         assert!(Baked::<VertexHierarchy>::from_bytes(&bytes[..at]).is_err());
     }
 }
+
+#[cfg(feature = "cli")]
+#[test]
+fn the_command_line_compresses_and_lists_sections() {
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_multires"));
+        let output = command.args(arguments).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    let folder = std::env::temp_dir().join(format!("multires-sections-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let [rock, plain, small] =
+        ["rock.ply", "plain.mres", "small.mres"].map(|name| folder.join(name).display().to_string());
+    io::write(&rock, &shapes::rock(2_000, 1)).unwrap();
+    run(&["build", &rock, &plain, "--structure", "hierarchy"]);
+    run(&["build", &rock, &small, "--structure", "hierarchy", "--compress"]);
+    let [plain_info, small_info] = [&plain, &small].map(|file| run(&["info", file]));
+    let bytes = |info: &serde_json::Value| info["bytes"].as_u64().unwrap();
+    assert!(2 * bytes(&small_info) < bytes(&plain_info));
+    let section = |info: &serde_json::Value, name: &str| {
+        let sections = info["sections"].as_array().unwrap();
+        sections.iter().find(|section| section["name"] == name).cloned()
+    };
+    let (own, packed) = (section(&plain_info, "bounds").unwrap(), section(&small_info, "bounds").unwrap());
+    assert_eq!((&own["compressed"], &packed["compressed"]), (&false.into(), &true.into()));
+    assert_eq!(
+        (&own["plain"], &own["stored"], &own["element"]),
+        (&packed["plain"], &packed["plain"], &28.into())
+    );
+    assert!(section(&small_info, "split_of").is_none() && section(&plain_info, "split_of").is_some());
+    assert_eq!(io::read_model::<u8>(&small).unwrap().to_bytes().unwrap(), std::fs::read(&plain).unwrap());
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -11,7 +11,6 @@
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
 //! | `rounding.rs` | single precision, rounded up |
-//! | `range_minima.rs` | least number of a range |
 //! | `lists.rs` | lists in two flat arrays, by counting, prefix sum and filling |
 //! | `sets.rs` | disjoint sets |
 //! | `hash.rs` | hashes identical on every machine |
@@ -26,7 +25,6 @@ pub(crate) mod hash;
 pub(crate) mod lanes;
 pub(crate) mod lists;
 pub(crate) mod parallel;
-pub(crate) mod range_minima;
 pub(crate) mod rounding;
 pub(crate) mod sectors;
 pub(crate) mod segment;

@@ -76,6 +76,21 @@ pub(crate) fn fill_chunks<T: Send>(
     items.chunks_mut(size).enumerate().for_each(work);
 }
 
+/// Calls both functions, at the same time if there are cores.
+pub(crate) fn join<A: Send, B: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    {
+        rayon::join(first, second)
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        (first(), second())
+    }
+}
+
 /// Returns the first number in `0..count` for which `holds` is true.
 pub(crate) fn first(count: u32, holds: impl Fn(u32) -> bool + Sync + Send) -> Option<u32> {
     #[cfg(feature = "parallel")]

@@ -204,6 +204,7 @@ impl Seeds<'_> {
     }
 
     /// Checks starts of levels in groups: as many as needed, and ascending to the number of triangles.
+    #[cfg(feature = "io")]
     pub fn check_starts(&self, starts: &[u32], triangles: usize) -> Result<(), GmeshError> {
         let expected = self.groups().saturating_mul(self.level_vertices.len()).saturating_add(1);
         expect("starts of levels", starts.len(), expected)?;
@@ -215,6 +216,7 @@ impl Seeds<'_> {
     }
 
     /// Checks the triangles of all levels against the finest. O(triangles), without a copy.
+    #[cfg(feature = "io")]
     pub fn check_all(&self, triangles: &[[u32; 3]], starts: &[u32]) -> Result<(), GmeshError> {
         if let Some(group) = self.material_ids.windows(2).position(|ids| ids[0] >= ids[1]) {
             return Err(GmeshError::Group { group: group + 1 });

@@ -67,7 +67,7 @@ pub(super) fn bounds(hierarchy: &VertexHierarchy, positions: &[[f32; 3]], error:
                 None => f64::INFINITY,
             };
         }
-        let far = rounding::up(far * (1.0 + 1e-9));
+        let far = rounding::up_short(far * (1.0 + 1e-9));
         let (centre, radius) = sphere(hierarchy, split, &region[s], &own[s], &all);
         // The distance of a point to the drawn surface is at most its distance to the place where it is drawn.
         all[s] = Bounds::new(centre, radius, normal_error.min(far), far)
@@ -215,7 +215,7 @@ fn sphere(
     let (centre, radius) = best;
     // Enlargement in proportion to the coordinates too, because a centre is rounded to single precision.
     let scale = hierarchy.diagonal * 1e-9 + centre.abs().max_element() * 1e-12;
-    (centre.as_vec3().to_array(), rounding::up(radius * (1.0 + ROOM) + scale))
+    (centre.as_vec3().to_array(), rounding::up_short(radius * (1.0 + ROOM) + scale))
 }
 
 /// Rounds a vector to single precision.

@@ -5,6 +5,7 @@ use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::view::Bounds;
 
+use super::validate::check_owners;
 use super::{Dependencies, HierarchyError, VertexHierarchy};
 
 /// The arrays of a [`VertexHierarchy`], for custom file formats.
@@ -76,15 +77,11 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             expected: vertices,
         })?;
         // Without dependencies their starts are dropped.
-        let (found, expected) = (parts.dependencies_start.len(), parts.bounds.len() + 1);
-        if found != expected {
-            return Err(HierarchyError::Length { what: "starts of dependencies", found, expected });
-        }
-        if let (true, Some(at)) =
-            (parts.dependencies.is_empty(), parts.dependencies_start.iter().position(|&start| start != 0))
-        {
-            return Err(HierarchyError::Broken { what: "the start of dependencies of split", at });
-        }
+        let (start, items) = (parts.dependencies_start, parts.dependencies);
+        let (dropped, dependencies) = match items.is_empty() {
+            true => (Some(start), Lists::default()),
+            false => (None, Lists { start: start.into(), items: items.into() }),
+        };
         let mut hierarchy = Self {
             substitute: parts.substitute.into(),
             split_of: Array::default(),
@@ -93,7 +90,7 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             brings: Lists { start: parts.brings_start.into(), items: parts.brings.into() },
             parents: Lists::default(),
             children: Lists::default(),
-            dependencies: Lists::of(parts.dependencies_start, parts.dependencies),
+            dependencies,
             dependency_kind: parts.dependency_kind,
             bounds: parts.bounds.into(),
             roots: Array::default(),
@@ -105,6 +102,15 @@ impl TryFrom<HierarchyParts> for VertexHierarchy {
             jump: Array::default(),
         };
         hierarchy.complete()?;
+        if let Some(start) = dropped {
+            let (found, expected) = (start.len(), hierarchy.bounds.len() + 1);
+            if found != expected {
+                return Err(HierarchyError::Length { what: "starts of dependencies", found, expected });
+            }
+            if let Some(at) = start.iter().position(|&start| start != 0) {
+                return Err(HierarchyError::Broken { what: "the start of dependencies of split", at });
+            }
+        }
         Ok(hierarchy)
     }
 }
@@ -115,7 +121,8 @@ pub(super) struct Derived {
     pub parents: Lists,
     pub children: Lists,
     pub roots: Vec<u32>,
-    pub births: Vec<u32>,
+    /// The first triangle that does not belong to its split.
+    pub wrong: Option<u32>,
 }
 
 /// Chains up to this length are walked hop by hop.
@@ -125,10 +132,11 @@ impl VertexHierarchy {
     /// Checks the arrays of [`HierarchyParts`], and derives the others. O(n).
     pub(super) fn complete(&mut self) -> Result<(), HierarchyError> {
         self.check_arrays()?;
-        let Derived { split_of, parents, children, roots, births } = self.derived()?;
+        let Derived { split_of, parents, children, roots, wrong } = self.derived()?;
         (self.split_of, self.parents) = (split_of.into(), parents);
         (self.children, self.roots) = (children, roots.into());
-        self.check_promises(&births)?;
+        self.check_promises()?;
+        check_owners(wrong)?;
         self.jump = self.jumps().into();
         Ok(())
     }
@@ -142,7 +150,7 @@ impl VertexHierarchy {
         }
         // From fine to coarse: the last list comes first.
         let (mut start, mut items) = (vec![0; count + 1], Vec::with_capacity(2 * count));
-        let births = self.replay(&split_of, |split, below| {
+        let wrong = self.replay(&split_of, |split, below| {
             start[split as usize] = below.len() as u32;
             items.extend(below.iter().rev());
             true
@@ -155,7 +163,7 @@ impl VertexHierarchy {
         let children = Lists { start: start.into(), items: items.into() };
         let parents = children.transposed(count);
         let roots = (0..count as u32).filter(|&split| parents.get(split).is_empty()).collect();
-        Ok(Derived { split_of, parents, children, roots, births })
+        Ok(Derived { split_of, parents, children, roots, wrong })
     }
 
     /// Returns, per vertex, a vertex far above it (Myers 1983), so representatives are found in O(log n) hops. Empty if

@@ -12,13 +12,13 @@
 //! All splits at a vertex are nested in one another by construction: children of a split are the last splits before it
 //! to touch its vertices. Stored children are compared as they are found; stored parents are their transpose.
 //!
-//! **When two leaves part.** At any cut every leaf is in the run of the vertex that represents it. A split parts a run at
-//! the first leaf of the vertex brought back, and this border stays: leaf `b` has one *birth*, the split at which a run
-//! first begins at `b` (0: never merged; else split + 1). Leaves `x < y` are apart from the least birth in `x + 1 ..= y` on.
-//! So a triangle of leaves `x < y < z` comes back with the larger of two least births: two range minima a triangle.
+//! **When corners part.** At any cut every leaf is in the run of the vertex that represents it. A split parts runs: of the
+//! usual split, the run of a vertex into two. So a triangle belongs to it if one corner is in either part. Splits that
+//! bring several vertices part several runs (`Parted`). No walk through the forest is needed, and triangles of a split lie
+//! together.
 
+use crate::geometry::lists::Lists;
 use crate::geometry::parallel;
-use crate::geometry::range_minima::RangeMinima;
 use crate::mesh::{MAX_ELEMENTS, NONE};
 use crate::view::Bounds;
 
@@ -41,69 +41,76 @@ impl VertexHierarchy {
     /// The first broken invariant, and its place.
     pub fn validate(&self) -> Result<(), HierarchyError> {
         self.check_arrays()?;
-        let Some(births) = self.check_derived() else { return self.find_difference() };
-        self.check_promises(&births)?;
+        if !self.fit_derived() {
+            return Err(self.difference());
+        }
+        let Self { split_of, children, .. } = self;
+        let (replayed, (are_parents, promises)) = parallel::join(
+            || self.replay(split_of, |split, below| children.get(split) == below),
+            || (self.has_parents_of_children(), self.check_promises()),
+        );
+        let (Ok(wrong), true) = (replayed, are_parents) else { return Err(self.difference()) };
+        promises?;
+        check_owners(wrong)?;
         same("the jump of vertex", &self.jump, &self.jumps())
     }
 
-    /// Checks the derived arrays except jumps, and all collapses. Returns the births, or `None` if a check fails. O(n).
-    fn check_derived(&self) -> Option<Vec<u32>> {
+    /// Whether the derived arrays have the right lengths, and indices in range.
+    fn fit_derived(&self) -> bool {
         let (vertices, count) = (self.substitute.len(), self.bounds.len());
-        let Self { split_of, parents, children, .. } = self;
-        let fits = |start: &[u32], items: &[u32]| {
-            start.len() == count + 1
-                && check_starts("", start, items.len()).is_ok()
-                && in_range("", items, count).is_ok()
+        let fits = |lists: &Lists| {
+            lists.start.len() == count + 1
+                && check_starts("", &lists.start, lists.items.len()).is_ok()
+                && in_range("", &lists.items, count).is_ok()
         };
-        if split_of.len() != vertices
-            || !fits(&parents.start, &parents.items)
-            || !fits(&children.start, &children.items)
-            || parents.items.len() != children.items.len()
-        {
-            return None;
-        }
-        let births = self.replay(split_of, |split, below| children.get(split) == below).ok()?;
-        // Parents are the transpose of children, whose lists ascend.
+        self.split_of.len() == vertices && fits(&self.parents) && fits(&self.children)
+    }
+
+    /// Whether parents are the transpose of children, given that children of every split ascend, and roots are the splits
+    /// without parents.
+    fn has_parents_of_children(&self) -> bool {
+        let Self { parents, children, .. } = self;
         let mut next = children.start.to_vec();
         let mut roots = self.roots.iter();
-        for split in 0..count as u32 {
+        for split in 0..self.bounds.len() as u32 {
             let own = parents.get(split);
             if own.is_empty() && roots.next() != Some(&split) || own.windows(2).any(|pair| pair[0] >= pair[1])
             {
-                return None;
+                return false;
             }
             for &parent in own {
                 let slot = &mut next[parent as usize];
                 if *slot >= children.start[parent as usize + 1] || children.items[*slot as usize] != split {
-                    return None;
+                    return false;
                 }
                 *slot += 1;
             }
         }
-        roots.next().is_none().then_some(births)
+        parents.items.len() == children.items.len() && roots.next().is_none()
     }
 
-    /// Names the first derived array to differ from what is derived, or the broken collapse.
-    fn find_difference(&self) -> Result<(), HierarchyError> {
-        let derived = self.derived()?;
-        for (what, known, found) in [
-            ("the split of vertex", &self.split_of[..], &derived.split_of[..]),
-            ("the start of parents of split", &self.parents.start, &derived.parents.start),
-            ("entry of parents", &self.parents.items, &derived.parents.items),
-            ("the start of children of split", &self.children.start, &derived.children.start),
-            ("entry of children", &self.children.items, &derived.children.items),
-            ("entry of roots", &self.roots, &derived.roots),
-        ] {
-            same(what, known, found)?;
-        }
-        Ok(())
+    /// Names the broken collapse, or the first derived array to differ from what is derived.
+    fn difference(&self) -> HierarchyError {
+        let compared = self.derived().and_then(|derived| {
+            for (what, known, found) in [
+                ("the split of vertex", &self.split_of[..], &derived.split_of[..]),
+                ("the start of parents of split", &self.parents.start, &derived.parents.start),
+                ("entry of parents", &self.parents.items, &derived.parents.items),
+                ("the start of children of split", &self.children.start, &derived.children.start),
+                ("entry of children", &self.children.items, &derived.children.items),
+                ("entry of roots", &self.roots, &derived.roots),
+            ] {
+                same(what, known, found)?;
+            }
+            broken::<()>("what is derived of split", 0)
+        });
+        compared.err().unwrap_or(HierarchyError::Broken { what: "what is derived of split", at: 0 })
     }
 
-    /// Checks the invariants which need only [`Self::check_arrays`], the derived arrays and births.
-    pub(super) fn check_promises(&self, births: &[u32]) -> Result<(), HierarchyError> {
+    /// Checks dependencies and bounds. Needs only [`Self::check_arrays`] and parents and children in range.
+    pub(super) fn check_promises(&self) -> Result<(), HierarchyError> {
         self.check_cycles()?;
-        self.check_bounds()?;
-        self.check_triangles(births)
+        self.check_bounds()
     }
 
     /// Checks the lengths of all arrays, derived ones included: what a trusted file must have.
@@ -149,7 +156,7 @@ impl VertexHierarchy {
             ),
         ];
         for ([items, starts, start], lists, limit) in lists {
-            if lists.start.is_empty() && lists.items.is_empty() && splits > 0 && items == "dependencies" {
+            if lists.start.is_empty() && lists.items.is_empty() && items == "dependencies" {
                 continue;
             }
             expect(starts, lists.start.len(), splits + 1)?;
@@ -182,7 +189,8 @@ impl VertexHierarchy {
     }
 
     /// Replays all collapses, from fine to coarse, and checks them. Calls `nest` with every split and its children,
-    /// ascending, until it returns false. Returns the birth of every leaf. Every index must be in range. O(n).
+    /// ascending, until it returns false. Returns the first triangle that does not belong to its split. Every index must be
+    /// in range. O(n).
     ///
     /// # Errors
     /// The collapse that is broken, or whose children `nest` does not take.
@@ -190,7 +198,7 @@ impl VertexHierarchy {
         &self,
         split_of: &[u32],
         mut nest: impl FnMut(u32, &[u32]) -> bool,
-    ) -> Result<Vec<u32>, HierarchyError> {
+    ) -> Result<Option<u32>, HierarchyError> {
         /// Marks a vertex that is taken.
         const GONE: u32 = NONE - 1;
         /// The end of a vertex's run, and the last split to touch the vertex.
@@ -206,14 +214,14 @@ impl VertexHierarchy {
         }
         let ends = (1..=self.leaves).chain(self.first_leaf.iter().copied());
         let mut states: Vec<State> = ends.map(|end| State { end, last: NONE }).collect();
-        let mut births = vec![0; self.leaves as usize];
-        let mut below = Vec::new();
+        let (mut below, mut parted, mut wrong) = (Vec::new(), Parted::default(), None);
         for split in (0..self.bounds.len() as u32).rev() {
             let brings = self.brings.get(split);
             if brings.is_empty() {
                 return broken("what is brought by split", split as usize);
             }
             below.clear();
+            parted.clear();
             for &vertex in brings {
                 let (v, to) = (vertex as usize, self.substitute[vertex as usize] as usize);
                 let [own, other] = [states[v], states[to]];
@@ -224,11 +232,27 @@ impl VertexHierarchy {
                 if first == own.end || first != other.end {
                     return broken("the run of leaves of vertex", v);
                 }
-                // The coarsest split comes last.
-                births[first as usize] = split + 1;
+                if own.last != split {
+                    parted.parts.push([first, own.end]);
+                }
+                if other.last != split {
+                    parted.parts.push([self.first_leaf(to as u32), other.end]);
+                }
                 states[v].last = GONE;
                 states[to] = State { end: own.end, last: split };
                 below.extend([own.last, other.last].iter().filter(|&&last| last != NONE && last != split));
+            }
+            if brings.len() > 1 {
+                let left = brings.iter().map(|&vertex| self.substitute[vertex as usize]);
+                let left = left.filter(|&to| states[to as usize].last == split);
+                parted.wholes.extend(left.map(|to| [self.first_leaf(to), states[to as usize].end]));
+                parted.sort();
+            }
+            let range = self.first_triangle[split as usize] as usize
+                ..self.first_triangle[split as usize + 1] as usize;
+            if let Some(at) = self.triangles[range.clone()].iter().position(|&corners| !parted.owns(corners))
+            {
+                wrong = Some((range.start + at) as u32);
             }
             below.sort_unstable();
             below.dedup();
@@ -236,13 +260,20 @@ impl VertexHierarchy {
                 return broken("the children of split", split as usize);
             }
         }
-        for (vertex, state) in states.iter().enumerate().filter(|(_, state)| state.last != GONE) {
-            let first = self.first_leaf(vertex as u32);
-            if first != state.end {
-                births[first as usize] = 0;
-            }
-        }
-        Ok(births)
+        // What is left are the runs of vertices never removed.
+        let left = states.iter().enumerate().filter(|(_, state)| state.last != GONE);
+        let mut starts: Vec<u32> = left
+            .map(|(vertex, state)| [self.first_leaf(vertex as u32), state.end])
+            .filter(|run| run[0] < run[1])
+            .map(|run| run[0])
+            .collect();
+        starts.sort_unstable();
+        let base = &self.triangles[..self.first_triangle[0] as usize];
+        let is_wrong = |corners: &[u32; 3]| {
+            let runs = corners.map(|leaf| starts.partition_point(|&start| start <= leaf));
+            runs[0] == runs[1] || runs[1] == runs[2] || runs[2] == runs[0]
+        };
+        Ok(base.iter().position(is_wrong).map(|at| at as u32).or(wrong))
     }
 
     /// Checks dependencies and parents together for cycles: removes splits needed by no remaining split until none are
@@ -273,13 +304,16 @@ impl VertexHierarchy {
     }
 
     fn check_bounds(&self) -> Result<(), HierarchyError> {
-        let is_sound = |bounds: &Bounds| {
-            let sizes = [bounds.radius, bounds.error, bounds.parametric];
-            sizes.iter().all(|x| x.is_finite() && *x >= 0.0) && bounds.centre.iter().all(|x| x.is_finite())
-        };
         let count = self.bounds.len() as u32;
-        if let Some(split) = parallel::first(count, |split| !is_sound(&self.bounds[split as usize])) {
-            return broken("the bounds of split", split as usize);
+        // NaN is not within.
+        let is_length = |x: f32| (0.0..=f32::MAX).contains(&x);
+        let is_sound = |bounds: &Bounds| {
+            let Bounds { centre: [x, y, z], radius, error, parametric, .. } = *bounds;
+            is_length(radius) & is_length(error) & is_length(parametric)
+                && is_length(x.abs()) & is_length(y.abs()) & is_length(z.abs())
+        };
+        if let Some(split) = self.bounds.iter().position(|bounds| !is_sound(bounds)) {
+            return broken("the bounds of split", split);
         }
         let sticks_out = |split: u32| {
             let bounds = &self.bounds[split as usize];
@@ -290,32 +324,57 @@ impl VertexHierarchy {
             None => Ok(()),
         }
     }
+}
 
-    fn check_triangles(&self, births: &[u32]) -> Result<(), HierarchyError> {
-        let least = RangeMinima::new(births);
-        let is_wrong = |triangle: u32, owner: u32| {
-            let [mut x, mut y, mut z] = self.triangles[triangle as usize];
-            if x > y {
-                (x, y) = (y, x);
-            }
-            if y > z {
-                (y, z) = (z, y);
-            }
-            if x > y {
-                (x, y) = (y, x);
-            }
-            x == y || y == z || least.of(x + 1, y).max(least.of(y + 1, z)) != owner
-        };
-        // Owner 0 has the triangles never removed, owner s + 1 those of split s.
-        let wrong_of = |owner: u32| {
-            let start = owner.checked_sub(1).map_or(0, |split| self.first_triangle[split as usize]);
-            (start..self.first_triangle[owner as usize]).find(|&triangle| is_wrong(triangle, owner))
-        };
-        let owners = self.bounds.len() as u32 + 1;
-        match parallel::first(owners, |owner| wrong_of(owner).is_some()).and_then(wrong_of) {
-            Some(triangle) => broken("the split that brings back triangle", triangle as usize),
-            None => Ok(()),
+/// The runs of leaves parted by a split: start and end.
+#[derive(Default)]
+struct Parted {
+    /// Runs after the split: two if it brings one vertex, else sorted.
+    parts: Vec<[u32; 2]>,
+    /// Runs before the split, each made of several of `parts`; none if it brings one vertex.
+    wholes: Vec<[u32; 2]>,
+}
+
+impl Parted {
+    fn clear(&mut self) {
+        self.parts.clear();
+        self.wholes.clear();
+    }
+
+    /// Sorts the runs of a split that brings several vertices. They do not overlap.
+    fn sort(&mut self) {
+        self.parts.retain(|run| run[0] < run[1]);
+        self.parts.sort_unstable();
+        self.wholes.sort_unstable();
+        self.wholes.dedup();
+    }
+
+    /// Whether a triangle's corners are all apart after the split, and were not before.
+    #[inline]
+    fn owns(&self, corners: [u32; 3]) -> bool {
+        if let ([first, second], []) = (&self.parts[..], &self.wholes[..]) {
+            let within = |run: &[u32; 2], leaf: u32| u8::from((run[0] <= leaf) & (leaf < run[1]));
+            let [a, b, c] = corners;
+            let count = |run| within(run, a) + within(run, b) + within(run, c);
+            return count(first) == 1 && count(second) == 1;
         }
+        // Corners outside of all runs are apart from all others, if there is but one of them.
+        let place = |runs: &[[u32; 2]], leaf: u32| {
+            let at = runs.partition_point(|run| run[0] <= leaf).checked_sub(1)?;
+            (leaf < runs[at][1]).then_some(at)
+        };
+        let [a, b, c] = corners.map(|leaf| (place(&self.parts, leaf), place(&self.wholes, leaf)));
+        let meet = |a: (Option<usize>, Option<usize>), b: (_, _)| a.1.is_some() && a.1 == b.1;
+        let part = |a: (Option<usize>, _), b: (Option<usize>, _)| a.0 != b.0;
+        (meet(a, b) || meet(b, c) || meet(c, a)) && part(a, b) && part(b, c) && part(c, a)
+    }
+}
+
+/// Fails if there is a triangle that does not belong to its split.
+pub(super) fn check_owners(wrong: Option<u32>) -> Result<(), HierarchyError> {
+    match wrong {
+        Some(triangle) => broken("the split that brings back triangle", triangle as usize),
+        None => Ok(()),
     }
 }
 
@@ -353,6 +412,12 @@ fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), Hierarc
 }
 
 fn in_range(what: &'static str, items: &[u32], limit: usize) -> Result<(), HierarchyError> {
+    // Without an early end, so that several are compared at once.
+    let limit_32 = u32::try_from(limit).unwrap_or(u32::MAX);
+    let beyond = |items: &[u32]| items.iter().fold(false, |beyond, &item| beyond | (item >= limit_32));
+    if !items.chunks(4096).any(beyond) {
+        return Ok(());
+    }
     match items.iter().position(|&item| item as usize >= limit) {
         Some(at) => Err(HierarchyError::OutOfRange { what, at, found: items[at], limit }),
         None => Ok(()),

@@ -52,7 +52,7 @@ impl<S: Stored> Baked<S> {
     }
 
     /// Opens a model within bytes that anything holds: a memory map, a vector, a static. The model's arrays lie in the
-    /// bytes: nothing is copied but compressed sections, small values, and arrays whose address is not a multiple of their
+    /// bytes: nothing is copied but compressed sections, small values, locks, and arrays whose address is not a multiple of their
     /// alignment (at most 8; sections start at multiples of 64, see [`Aligned`](super::Aligned)). O(n) if checked;
     /// O(sections) if [trusted](crate::io::Trust::Own). Of wavelet meshes the connectivity is built anew: O(n) either way.
     ///

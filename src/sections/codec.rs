@@ -153,28 +153,42 @@ fn from_planes(planes: &[u8], elements: &mut [u8], size: usize, scalars: &[u8]) 
     let plane = (elements.len() / size).div_ceil(8);
     let mut offset = 0;
     for &width in scalars {
-        let width = usize::from(width);
-        let mask = u64::MAX >> (64 - 8 * width as u32);
-        let planes = &planes[plane * 8 * offset..];
-        let mut before = 0_u64;
-        for (group, elements) in elements.chunks_mut(8 * size).enumerate() {
-            let mut codes = [0_u64; 8];
-            for byte in 0..width {
-                let bits: [u8; 8] = std::array::from_fn(|bit| planes[(8 * byte + bit) * plane + group]);
-                let column = transpose(u64::from_le_bytes(bits)).to_le_bytes();
-                for (code, bits) in codes.iter_mut().zip(column) {
-                    *code |= u64::from(bits) << (8 * byte);
-                }
-            }
-            for (element, code) in elements.chunks_exact_mut(size).zip(codes) {
-                let difference = (code >> 1) ^ (code & 1).wrapping_neg();
-                before = before.wrapping_add(difference) & mask;
-                let scalar = &mut element[offset..offset + width];
-                scalar.copy_from_slice(&before.to_le_bytes()[..width]);
-                super::layout::to_native(scalar, &[width as u8]);
-            }
+        let own = &planes[plane * 8 * offset..];
+        match width {
+            1 => scalar_from_planes::<1>(own, plane, elements, size, offset),
+            2 => scalar_from_planes::<2>(own, plane, elements, size, offset),
+            4 => scalar_from_planes::<4>(own, plane, elements, size, offset),
+            _ => scalar_from_planes::<8>(own, plane, elements, size, offset),
         }
-        offset += width;
+        offset += usize::from(width);
+    }
+    super::layout::to_native(elements, scalars);
+}
+
+/// Turns the planes of a scalar of `WIDTH` bytes at an offset in the elements into its values, little-endian.
+fn scalar_from_planes<const WIDTH: usize>(
+    planes: &[u8],
+    plane: usize,
+    elements: &mut [u8],
+    size: usize,
+    offset: usize,
+) {
+    let bytes: [[&[u8]; 8]; WIDTH] =
+        std::array::from_fn(|byte| std::array::from_fn(|bit| &planes[(8 * byte + bit) * plane..][..plane]));
+    let mut before = 0_u64;
+    for (group, elements) in elements.chunks_mut(8 * size).enumerate() {
+        let columns = bytes.map(|bits| {
+            let bits = bits.map(|plane| plane[group]);
+            transpose(u64::from_le_bytes(bits)).to_le_bytes()
+        });
+        for (i, element) in elements.chunks_exact_mut(size).enumerate() {
+            let mut code = [0; 8];
+            code[..WIDTH].copy_from_slice(&columns.map(|column| column[i]));
+            let code = u64::from_le_bytes(code);
+            // The bytes beyond the width are of no account.
+            before = before.wrapping_add((code >> 1) ^ (code & 1).wrapping_neg());
+            element[offset..offset + WIDTH].copy_from_slice(&before.to_le_bytes()[..WIDTH]);
+        }
     }
 }
 

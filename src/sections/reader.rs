@@ -14,6 +14,8 @@ pub struct Reader<'a> {
     /// The holder of the bytes, for arrays used in place; without one, arrays are copied.
     shared: Option<&'a SharedBytes>,
     entries: Vec<Entry>,
+    /// Indices of the entries by name.
+    by_name: Vec<usize>,
     trust: Trust,
 }
 
@@ -24,7 +26,9 @@ impl<'a> Reader<'a> {
     /// The bytes are no baked file of this version, or damaged.
     pub fn new(bytes: &'a [u8], options: OpenOptions) -> Result<Self, BakeError> {
         let entries = table::decode(bytes)?;
-        let reader = Self { bytes, shared: None, entries, trust: options.trust };
+        let mut by_name: Vec<usize> = (0..entries.len()).collect();
+        by_name.sort_unstable_by(|&a, &b| entries[a].name.cmp(&entries[b].name));
+        let reader = Self { bytes, shared: None, entries, by_name, trust: options.trust };
         if !reader.is_trusted() {
             reader.check_sums()?;
         }
@@ -61,7 +65,8 @@ impl<'a> Reader<'a> {
     }
 
     fn find(&self, name: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.name == name)
+        let at = self.by_name.binary_search_by(|&at| self.entries[at].name.as_str().cmp(name)).ok()?;
+        self.entries.get(self.by_name[at])
     }
 
     /// Whether there is a section of this name.

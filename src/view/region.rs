@@ -31,8 +31,8 @@ pub(super) fn reach(radius: f32) -> f64 {
 
 /// Whether the sphere at `a` contains the sphere at `b`.
 pub(super) fn sphere_holds((a, radius): ([f32; 3], f32), (b, inner): ([f32; 3], f32)) -> bool {
-    let [a, b] = [a, b].map(|x| DVec3::from_array(x.map(f64::from)));
-    radius == f32::MAX || a.distance(b) + reach(inner) <= reach(radius)
+    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(a[axis]) - f64::from(b[axis]));
+    radius == f32::MAX || (x * x + y * y + z * z).sqrt() + reach(inner) <= reach(radius)
 }
 
 /// Whether a cone contains another cone.
