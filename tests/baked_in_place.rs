@@ -161,7 +161,7 @@ fn misaligned_bytes_are_copied() {
         let opened = Baked::<TotallyOrderedMesh>::from_shared(shifted.clone(), checked()).unwrap();
         assert_eq!(opened, model);
         let address = (*shifted).as_ref().as_ptr() as usize;
-        assert_eq!(lies_in(opened.structure().triangles(), (*shifted).as_ref()), address % 4 == 0);
+        assert_eq!(lies_in(opened.structure().triangles(), (*shifted).as_ref()), address.is_multiple_of(4));
     }
     static STATIC: &Aligned<[u8]> = &Aligned(*b"\x89MRES");
     assert_eq!(STATIC.0.as_ptr() as usize % 64, 0);

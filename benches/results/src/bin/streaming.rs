@@ -269,8 +269,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         sessions(&model, &views, count, &mut says)?;
         std::fs::create_dir_all(&out)?;
         let mut csv = String::from("view,splits alone,splits and collapses\n");
-        for at in 0..views.len() {
-            writeln!(csv, "{at},{},{}", curves[1][at], curves[2][at])?;
+        for (at, (alone, both)) in curves[1].iter().zip(&curves[2]).enumerate() {
+            writeln!(csv, "{at},{alone},{both}")?;
         }
         std::fs::write(out.join("flight.csv"), csv)?;
         let lines = vec![
