@@ -12,7 +12,7 @@
 //! ROAM, section 5). The result is the longest prefix of the refinements by urgency within the limit, with some triangles
 //! to spare. A larger limit gives a superset. The result does not depend on the previous cut.
 
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::view::{Answer, Criterion, Motion};
@@ -20,6 +20,7 @@ use crate::view::{Answer, Criterion, Motion};
 use super::cut::{Cut, CutReport};
 use super::front::ASKED;
 use super::refinements::Refinements;
+use super::urgency::Key;
 
 /// Shares of the budget. Below `ROOM * limit` triangles the budget tries to add refinements. When the factor moves, it is
 /// set for `AIM * limit` triangles, so it need not move again soon.
@@ -27,36 +28,6 @@ const ROOM: f64 = 0.95;
 const AIM: f64 = 0.975;
 /// Raises the factor above the rounding error of an urgency.
 const MARGIN: f64 = 1.0 + 1e-9;
-
-/// Orders refinements by urgency. If the criterion is monotone, parents come before children.
-#[derive(Debug, Clone, Copy)]
-struct Key {
-    urgency: f64,
-    error: f32,
-    refinement: u32,
-}
-
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let urgency = self.urgency.total_cmp(&other.urgency);
-        let error = self.error.total_cmp(&other.error);
-        urgency.then(error).then(other.refinement.cmp(&self.refinement))
-    }
-}
-
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Key {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Key {}
 
 /// A criterion with its tolerances multiplied by `factor`.
 struct Coarsened<'a, C: ?Sized> {

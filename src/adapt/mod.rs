@@ -8,6 +8,7 @@
 //! | `closure.rs` | the smallest closed set containing all refinements asked for |
 //! | `cut.rs` | [`Cut`]: front, wheel and closure together |
 //! | `budget.rs` | a cut within a number of triangles: the most urgent refinements, by two heaps over rim and fringe |
+//! | `urgency.rs` | the order of refinements within a number of triangles |
 //! | `transitions.rs` | the shown mesh follows the cut: limited a frame, smoothly if asked for |
 //! | `weights.rs` | weights of refinements in transition |
 //! | `frame_limits.rs` | limits between the cut and the shown mesh: triangles, and operations a frame |
@@ -29,6 +30,7 @@ mod geomorph;
 mod refinements;
 mod tolerance;
 mod transitions;
+mod urgency;
 mod weights;
 mod wheel;
 
@@ -42,4 +44,6 @@ pub use geomorph::Geomorph;
 pub use refinements::Refinements;
 pub(crate) use tolerance::Tolerance;
 pub(crate) use transitions::RefinementSink;
+#[cfg(feature = "stream")]
+pub(crate) use urgency::Key;
 pub(crate) use weights::{AT_REST, Transition, Weights};

@@ -132,6 +132,8 @@ pub struct Client<V, F> {
     /// Number of the next packet.
     next: u32,
     missing: bool,
+    /// History of the packets that came.
+    history: u64,
     /// The request that the server was sent last: its stream, packet and wish.
     told: Option<(u32, u32, Wish)>,
     header: Header,
@@ -163,6 +165,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             stream: 0,
             next: 0,
             missing: false,
+            history: 0,
             told: None,
             header: Header::default(),
             received: Received::new(0, 1, 3),
@@ -186,6 +189,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             next: self.next,
             missing: self.missing,
             cache_share: self.options.cache_share,
+            history: self.history,
             wish: wish.clone(),
         };
         self.missing = false;
@@ -239,6 +243,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             let result = self.begin(frame.content);
             if result.is_ok() {
                 (self.stream, self.next) = (frame.stream, 1);
+                self.history = packet::history(0, packet);
             }
             return result.map(|()| Receipt::default());
         }
@@ -251,7 +256,10 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
         }
         let receipt = self.take_in(frame.content);
         match receipt {
-            Ok(_) => self.next += 1,
+            Ok(_) => {
+                self.next += 1;
+                self.history = packet::history(self.history, packet);
+            }
             Err(_) => self.empty(),
         }
         self.write_vertices();
@@ -260,7 +268,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
 
     /// Forgets the mesh.
     fn empty(&mut self) {
-        (self.stream, self.next, self.told) = (0, 0, None);
+        (self.stream, self.next, self.history, self.told) = (0, 0, 0, None);
         self.header = Header::default();
         self.received = Received::new(0, 1, 3);
         self.cache = Cache::new(0);

@@ -42,6 +42,13 @@ pub(super) struct Frame<'a> {
     pub content: &'a [u8],
 }
 
+/// Returns the history after a packet: a hash of all packets so far. Both sides keep one, to know that they mean the same stream.
+pub(super) fn history(before: u64, packet: &[u8]) -> u64 {
+    let mut sum = [0; 8];
+    sum.copy_from_slice(&packet[CHECKSUM_AT..HEAD]);
+    mix(before ^ u64::from_le_bytes(sum)).rotate_left(1)
+}
+
 /// Starts a message; its content is to be appended, then [`finish`] called.
 pub(super) fn start(kind: Kind, stream: u32, number: u32) -> Vec<u8> {
     let mut bytes = vec![0; HEAD];

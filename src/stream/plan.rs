@@ -1,42 +1,12 @@
 //! What a session must do for its views: the splits that they ask for, against the splits that its client has.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use crate::adapt::Refinements;
+use crate::adapt::{Key, Refinements};
 use crate::hierarchy::VertexHierarchy;
 use crate::view::{Criterion, ObjectView};
 
 use super::bits::Bits;
-
-/// A split with its urgency: error on the screen over tolerance.
-#[derive(Debug, Clone, Copy)]
-struct Key {
-    urgency: f64,
-    error: f32,
-    split: u32,
-}
-
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let urgency = self.urgency.total_cmp(&other.urgency);
-        urgency.then(self.error.total_cmp(&other.error)).then(other.split.cmp(&self.split))
-    }
-}
-
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Key {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Key {}
 
 /// The steps from what a client has to what its views ask for, in the order in which they are sent.
 ///
@@ -93,7 +63,7 @@ impl Plan {
         let key = |split: u32| Key {
             urgency: wish.views.iter().map(|view| view.urgency(&of.bounds(split))).fold(0.0, f64::max),
             error: of.error(split),
-            split,
+            refinement: split,
         };
         // A level above all levels of what it builds on, or, to go, of what builds on it. Numbers ascend from coarse to fine.
         sorted.clear();
@@ -149,20 +119,23 @@ impl Plan {
             }
             return;
         }
-        let key =
-            |split: u32| Key { urgency: views.urgency(&of.bounds(split)), error: of.error(split), split };
+        let key = |split: u32| Key {
+            urgency: views.urgency(&of.bounds(split)),
+            error: of.error(split),
+            refinement: split,
+        };
         self.heap.extend(of.roots().map(key));
         let mut triangles = of.base_triangle_count();
         while let Some(next) = self.heap.pop() {
             if next.urgency <= 1.0 || next.urgency.is_nan() {
                 break;
             }
-            if self.wanted.has(next.split) {
+            if self.wanted.has(next.refinement) {
                 // Needed by another, and so its children were looked at.
                 continue;
             }
             let before = self.listed.len();
-            self.close(of, next.split);
+            self.close(of, next.refinement);
             let added: usize = self.listed[before..].iter().map(|&split| of.owned(split).len()).sum();
             if triangles + added > wish.triangles {
                 self.listed.drain(before..).for_each(|split| self.wanted.remove(split));
@@ -205,7 +178,7 @@ fn unpack(sorted: &[(u32, Key)], splits: &mut Vec<u32>, levels: &mut Vec<usize>)
         if at > 0 && sorted[at - 1].0 != *level {
             levels.push(at);
         }
-        splits.push(key.split);
+        splits.push(key.refinement);
     }
     if !sorted.is_empty() {
         levels.push(sorted.len());

@@ -15,7 +15,7 @@ use crate::view::{Focus, ObjectView, View};
 
 use super::client::{Client, ClientOptions, StreamVertex};
 use super::error::StreamError;
-use super::packet::message_length;
+use super::packet::{self, message_length};
 use super::plan::Wish;
 use super::request::Request;
 use super::server::{Server, StreamOptions};
@@ -52,7 +52,8 @@ fn everything() -> Option<ObjectView> {
     )
 }
 
-/// Writes a model so that every beginning of the bytes is a coarser mesh, attributes included. O(n log n).
+/// Writes a model so that every beginning of the bytes is a coarser mesh, attributes included. O(n log n) a packet: all that is
+/// left is looked at for each.
 ///
 /// ```
 /// use multires::stream::{StreamOptions, read_prefix, write_prefix};
@@ -76,16 +77,17 @@ pub fn write_prefix(model: &Baked<VertexHierarchy>, options: &StreamOptions) -> 
     let full = model.structure().triangle_count();
     let mut bytes = Vec::new();
     let mut most = model.structure().base_triangle_count();
-    let (mut stream, mut next) = (0, 0);
+    let (mut stream, mut next, mut history) = (0, 0, 0);
     loop {
         let triangles = if most < full { most } else { usize::MAX };
         let wish = Wish { views: everything().into_iter().collect(), triangles, keeps: false };
-        session.receive(&Request { stream, next, wish, ..Request::default() }.write())?;
+        session.receive(&Request { stream, next, history, wish, ..Request::default() }.write())?;
         stream = session.stream();
         loop {
             let budget = (bytes.len() / 8).clamp(PACKETS[0], PACKETS[1]);
             let Some(packet) = session.packet(budget) else { break };
             bytes.extend_from_slice(&packet);
+            history = packet::history(history, &packet);
             next += 1;
         }
         if triangles == usize::MAX {

@@ -7,7 +7,8 @@
 //!          2      2   zeros
 //!          4      4   share of all splits to be cached, a float
 //!          8      8   most triangles
-//!         16  v x 288 views: 36 numbers of 8 bytes each
+//!         16      8   history: a hash of all packets that came
+//!         24  v x 288 views: 36 numbers of 8 bytes each
 //! ```
 
 use crate::view::ObjectView;
@@ -18,7 +19,7 @@ use super::plan::Wish;
 
 /// Most views of a request.
 pub(super) const MOST_VIEWS: usize = 16;
-const FIXED: usize = 16;
+const FIXED: usize = 24;
 const VIEW: usize = 8 * ObjectView::NUMBERS;
 
 /// A request.
@@ -31,6 +32,8 @@ pub(super) struct Request {
     /// Whether packets sent before are missing.
     pub missing: bool,
     pub cache_share: f32,
+    /// The [history](packet::history) of the packets that came; 0 if none did.
+    pub history: u64,
     pub wish: Wish,
 }
 
@@ -41,6 +44,7 @@ impl Request {
         out.extend([u8::from(self.missing) | u8::from(self.wish.keeps) << 1, views.len() as u8, 0, 0]);
         out.extend(self.cache_share.to_le_bytes());
         out.extend((self.wish.triangles as u64).to_le_bytes());
+        out.extend(self.history.to_le_bytes());
         for view in views {
             view.to_numbers().iter().for_each(|number| out.extend(number.to_le_bytes()));
         }
@@ -62,7 +66,8 @@ impl Request {
         if !(0.0..=1.0).contains(&cache_share) {
             return damaged("the share to be cached is not 0 to 1");
         }
-        let triangles = u64::from_le_bytes(std::array::from_fn(|at| fixed[8 + at]));
+        let [triangles, history] =
+            [8, 16].map(|first| u64::from_le_bytes(std::array::from_fn(|at| fixed[first + at])));
         let mut wish = Wish {
             views: Vec::new(),
             triangles: usize::try_from(triangles).unwrap_or(usize::MAX),
@@ -76,6 +81,6 @@ impl Request {
             }
         }
         let missing = fixed[0] & 1 != 0;
-        Ok(Self { stream: frame.stream, next: frame.number, missing, cache_share, wish })
+        Ok(Self { stream: frame.stream, next: frame.number, missing, cache_share, history, wish })
     }
 }

@@ -1,6 +1,5 @@
 //! One client, as its server sees it.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::hierarchy::VertexHierarchy;
@@ -58,9 +57,11 @@ pub struct Session {
     base: [usize; 2],
     /// Set if there is nothing to do for the wish.
     done: bool,
+    /// History of the packets that were acknowledged.
+    history: u64,
     /// Number of the next packet; packets sent and not acknowledged; which of them to send again.
     next: u32,
-    sent: VecDeque<Vec<u8>>,
+    sent: Vec<Vec<u8>>,
     again: Option<usize>,
     window: usize,
     cache_share: f32,
@@ -100,8 +101,9 @@ impl Session {
             wish: Wish::default(),
             base: [0; 2],
             done: true,
+            history: 0,
             next: 0,
-            sent: VecDeque::new(),
+            sent: Vec::new(),
             again: None,
             window: WINDOW,
             cache_share: 0.0,
@@ -109,14 +111,18 @@ impl Session {
             record: Record::default(),
             counts: SessionCounts::default(),
         };
-        session.begin();
+        session.begin(0);
         session.done = true;
         session
     }
 
-    /// Begins a new stream: the client has nothing.
-    fn begin(&mut self) {
+    /// Begins a new stream: the client has nothing that counts, and knows at most a stream of another server.
+    fn begin(&mut self, known: u32) {
         self.stream = self.shared.next_stream();
+        if self.stream == known {
+            self.stream = self.shared.next_stream();
+        }
+        self.history = 0;
         self.has = Bits::new(self.shared.of().split_count());
         (self.splits, self.triangles, self.base, self.next) = (0, 0, [0; 2], 0);
         *self.models = Models::new(self.shared.channels());
@@ -132,30 +138,36 @@ impl Session {
         self.window = bytes;
     }
 
-    /// Takes in a request of the client. Damaged requests change nothing: the client sends more.
+    /// Takes in a request of the client. A client that has another stream, of this server or of another, begins anew. Damaged
+    /// requests change nothing: the client sends more.
     ///
     /// # Errors
-    /// The bytes are no request.
+    /// The bytes are no request, or ask for packets that the client acknowledged: an old request, which changes nothing.
     pub fn receive(&mut self, request: &[u8]) -> Result<(), StreamError> {
         let request = Request::read(request)?;
         let first = self.next - self.sent.len() as u32;
         // A client that has nothing yet does not know its stream.
         let waits = request.stream == 0 && self.next > 0 && first == 0;
-        if request.stream != self.stream && !waits {
-            self.begin();
+        if (request.stream == self.stream || waits) && request.next < first {
+            return Err(StreamError::Damaged { what: "a client asks for packets that it acknowledged" });
+        }
+        // Other servers number their streams alike: only what came tells a stream.
+        let acknowledged = (request.next.wrapping_sub(first)) as usize;
+        let came = self.sent.get(..acknowledged);
+        let history =
+            came.map(|came| came.iter().fold(self.history, |before, next| packet::history(before, next)));
+        if request.stream != self.stream && !waits || history != Some(request.history) {
+            let known = request.stream;
+            self.begin(known);
             self.cache_share = request.cache_share;
             self.heed(request);
             return Ok(());
         }
-        let Some(acknowledged) = request.next.checked_sub(first).filter(|_| request.next <= self.next) else {
-            return Err(StreamError::Damaged {
-                what: "a client asks for packets that were acknowledged, or never sent",
-            });
-        };
-        self.sent.drain(..acknowledged as usize);
+        self.history = request.history;
+        self.sent.drain(..acknowledged);
         self.again = match self.again {
             _ if request.missing && !self.sent.is_empty() => Some(0),
-            Some(at) => Some(at.saturating_sub(acknowledged as usize)).filter(|&at| at < self.sent.len()),
+            Some(at) => Some(at.saturating_sub(acknowledged)).filter(|&at| at < self.sent.len()),
             None => None,
         };
         self.heed(request);
@@ -205,7 +217,7 @@ impl Session {
         self.next += 1;
         self.counts.packets += 1;
         self.counts.bytes += packet.len();
-        self.sent.push_back(packet.clone());
+        self.sent.push(packet.clone());
         Some(packet)
     }
 

@@ -155,3 +155,33 @@ fn a_client_that_comes_back_goes_on() {
     settle(&mut other, &mut back);
     assert!(content(&anew.to_mesh()) == content(&back.to_mesh()));
 }
+
+/// Servers number their streams alike. A client of one that comes to another, with a number that is taken there, begins anew.
+#[test]
+fn a_client_of_another_server_begins_anew() {
+    let server = |seed: u32| {
+        let model = VertexHierarchy::bake(&shapes::rock(1_000, seed)).unwrap();
+        Server::new(&model, &StreamOptions::default()).unwrap()
+    };
+    let (old, new) = (server(1), server(2));
+    let views = [view([0.0, 0.3, 2.0], 1.0)];
+    for [had, sent] in [[3, 2], [3, 3], [3, 5], [2, 8]] {
+        let (mut session, mut client) = (old.session(), client(ClientOptions::default()));
+        client.adapt(&views, 0.0);
+        for _ in 0..had {
+            session.receive(&client.request()).unwrap();
+            client.receive(&session.packet(300).unwrap()).unwrap();
+        }
+        // Another client has been sent packets that it did not acknowledge.
+        let (mut session, mut other) = (new.session(), self::client(ClientOptions::default()));
+        other.adapt(&views, 0.0);
+        session.receive(&other.request()).unwrap();
+        (0..sent).for_each(|_| assert!(session.packet(300).is_some()));
+        client.ask_again();
+        settle(&mut session, &mut client);
+        let mut right = self::client(ClientOptions::default());
+        right.adapt(&views, 0.0);
+        settle(&mut new.session(), &mut right);
+        assert!(content(&client.to_mesh()) == content(&right.to_mesh()), "{had} of {sent}");
+    }
+}
