@@ -353,3 +353,67 @@ impl DrawnMesh for Received {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight leaves in three vertices, and a triangle.
+    fn base() -> Received {
+        let mut received = Received::new(8, 1, 3);
+        [0, 3, 6].into_iter().for_each(|start| received.add_base_vertex(start, &[start, 0, 0]));
+        received.add_base_triangle([0, 3, 6], 0).expect("a triangle");
+        received
+    }
+
+    /// A split of one vertex.
+    fn record(key: u32, triangles: &[[u32; 3]]) -> Record {
+        let mut record = Record::default();
+        record.start(key);
+        record.numbers.extend([key, 1, 1]);
+        record.triangles.extend(triangles);
+        record.groups.resize(triangles.len(), 0);
+        record
+    }
+
+    fn drawn(received: &Received) -> (Vec<[u32; 3]>, usize, usize) {
+        let leaves = received.surface.drawn(0).iter().map(|&t| received.parts.triangles[t as usize]);
+        (leaves.collect(), received.vertices(), received.splits())
+    }
+
+    #[test]
+    fn splits_go_in_the_reverse_order_only() {
+        let mut received = base();
+        let before = drawn(&received);
+        let [first, second] = [record(1, &[[1, 0, 3]]), record(2, &[[2, 1, 6]])];
+        received.split(&first).expect("a split");
+        received.split(&second).expect("a split of what it brought");
+        let both = drawn(&received);
+        let mut gone = Record::default();
+        assert!(received.collapse(1, &mut gone).is_err(), "the second needs the first");
+        assert!(received.collapse(5, &mut gone).is_err(), "there is no such split");
+        assert_eq!(drawn(&received), both);
+        for expected in [second, first] {
+            assert_eq!(received.collapse(expected.key(), &mut gone), Ok(true));
+            assert_eq!(gone, expected);
+        }
+        assert_eq!(drawn(&received), before);
+    }
+
+    #[test]
+    fn triangles_begin_with_their_split() {
+        let mut received = base();
+        let before = drawn(&received);
+        for (why, triangle) in [
+            ("it is drawn before", [0, 3, 6]),
+            ("two corners are one vertex after as before", [3, 4, 6]),
+            ("two corners are one leaf", [1, 1, 6]),
+        ] {
+            assert!(received.split(&record(1, &[[1, 0, 3], triangle])).is_err(), "{why}");
+            assert_eq!(drawn(&received), before, "{why}");
+        }
+        assert!(received.add_base_triangle([0, 1, 6], 0).is_err());
+        assert_eq!(drawn(&received), before);
+        received.split(&record(1, &[[1, 0, 3]])).expect("a split");
+    }
+}
