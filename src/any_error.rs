@@ -60,6 +60,9 @@ pub enum Error {
     /// An error of a stream.
     #[cfg(feature = "stream")]
     Stream(#[from] crate::stream::StreamError),
+    /// An error of a store.
+    #[cfg(all(feature = "stream", feature = "io"))]
+    Store(#[from] crate::stream::store::StoreError),
     /// An error of a measurement.
     #[cfg(feature = "quality")]
     Quality(#[from] crate::quality::QualityError),

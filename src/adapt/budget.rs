@@ -17,6 +17,7 @@ use std::collections::BinaryHeap;
 
 use crate::view::{Answer, Criterion, Motion};
 
+use super::closure::may_come;
 use super::cut::{Cut, CutReport};
 use super::front::ASKED;
 use super::refinements::Refinements;
@@ -66,6 +67,12 @@ impl Budget {
     /// Creates a budget of `limit` triangles for a cut with `triangles` triangles.
     pub fn new(limit: usize, triangles: usize) -> Self {
         Self { limit, factor: 1.0, triangles, rim: BinaryHeap::new(), fringe: BinaryHeap::new() }
+    }
+
+    /// Returns the factor of all tolerances.
+    #[cfg(feature = "stream")]
+    pub fn factor(&self) -> f64 {
+        self.factor
     }
 
     /// Sets the limit of triangles.
@@ -156,7 +163,7 @@ impl Budget {
             if front.is_due(of, r) {
                 if front.state[r as usize] & ASKED != 0 {
                     rim.push(Reverse(key(r)));
-                } else {
+                } else if may_come(of, &front.state, r) {
                     fringe.push(key(r));
                 }
             }
@@ -195,7 +202,7 @@ impl Budget {
                         fringe.pop();
                         rim.push(Reverse(most));
                         for child in of.children(most.refinement) {
-                            if front.is_due(of, child) {
+                            if front.is_due(of, child) && may_come(of, &front.state, child) {
                                 fringe.push(key(child));
                             }
                         }

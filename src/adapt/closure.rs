@@ -4,6 +4,8 @@
 //! count of the refinements in the mesh needing it. Needs have no cycles, so the count decides membership, in any order
 //! of requests.
 
+use std::collections::BTreeMap;
+
 use super::front::{ASKED, DONE};
 use super::refinements::Refinements;
 
@@ -91,4 +93,33 @@ impl Closure {
     pub fn memory(&self) -> usize {
         size_of_val(&self.held[..])
     }
+}
+
+/// Whether all that a refinement needs is available, itself included, and none of it needs the refinement. Notes the first
+/// refinement that is not available.
+pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, state: &[u8], r: u32) -> bool {
+    if !R::PARTIAL {
+        return true;
+    }
+    let (mut stack, mut seen) = (vec![(r, false)], BTreeMap::new());
+    while let Some((r, all_seen)) = stack.pop() {
+        // True for refinements of which all needs were looked at.
+        if seen.insert(r, all_seen) == Some(true) || all_seen {
+            seen.insert(r, true);
+            continue;
+        }
+        if !of.available(r) {
+            of.miss(r);
+            return false;
+        }
+        stack.push((r, true));
+        for need in of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & DONE == 0) {
+            match seen.get(&need) {
+                Some(false) => return false,
+                Some(true) => {}
+                None => stack.push((need, false)),
+            }
+        }
+    }
+    true
 }

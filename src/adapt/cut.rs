@@ -91,6 +91,12 @@ impl Cut {
         (all, (front.tests - before) as usize)
     }
 
+    /// Asks again, in the next update, about refinements which waited for others to arrive.
+    #[cfg(feature = "stream")]
+    pub(crate) fn arrived(&mut self) {
+        self.front.arrived();
+    }
+
     /// Bytes of the cut's arrays.
     pub fn memory(&self) -> usize {
         self.front.memory() + self.closure.memory()

@@ -35,6 +35,12 @@ impl FrameLimits {
         }
     }
 
+    /// Returns the factor of all tolerances by which the triangles are within their limit; 1 without a limit.
+    #[cfg(feature = "stream")]
+    pub fn factor(&self) -> f64 {
+        self.budget.as_ref().map_or(1.0, Budget::factor)
+    }
+
     /// Whether a refinement is shown.
     pub fn shows(&self, r: u32) -> bool {
         self.transitions.shows(r)

@@ -18,6 +18,7 @@
 
 use crate::view::{Answer, Criterion, Motion};
 
+use super::closure::may_come;
 use super::refinements::Refinements;
 use super::wheel::Wheel;
 
@@ -57,6 +58,8 @@ pub(super) struct Front {
     /// Distance moved for each radian turned, in the last motion.
     course: f64,
     pub work: Vec<u32>,
+    /// Refinements waiting for themselves, or for others they need, to arrive.
+    waiting: Vec<u32>,
     /// Tests so far.
     pub tests: u64,
 }
@@ -75,6 +78,7 @@ impl Front {
             }),
             course: size,
             work: Vec::new(),
+            waiting: Vec::new(),
             tests: 0,
         }
     }
@@ -95,6 +99,11 @@ impl Front {
             if state & ASLEEP != 0 {
                 continue;
             }
+            if R::PARTIAL && !of.available(r) {
+                of.miss(r);
+                self.wait(r);
+                continue;
+            }
             if state & AT_FRONT == 0 && !self.is_due(of, r) {
                 continue;
             }
@@ -102,6 +111,10 @@ impl Front {
             self.tests += 1;
             self.state[r as usize] |= AT_FRONT;
             let answer = criterion.test(&of.bounds(r));
+            if R::PARTIAL && answer.refine && !asked && !may_come(of, &self.state, r) {
+                self.wait(r);
+                continue;
+            }
             if answer.refine != asked {
                 self.state[r as usize] ^= ASKED;
                 if !changed(&mut self.state, r, answer.refine) {
@@ -132,14 +145,33 @@ impl Front {
     pub fn is_due<R: Refinements + ?Sized>(&self, of: &R, r: u32) -> bool {
         if self.state[r as usize] & ASKED != 0 {
             !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
+        } else if R::PARTIAL && !of.available(r) {
+            of.miss(r);
+            false
         } else {
             of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
+        }
+    }
+
+    /// Puts a refinement to sleep until others arrive.
+    fn wait(&mut self, r: u32) {
+        self.state[r as usize] |= ASLEEP;
+        self.waiting.push(r);
+    }
+
+    /// Wakes what waits for others to arrive.
+    #[cfg(feature = "stream")]
+    pub fn arrived(&mut self) {
+        for r in self.waiting.drain(..) {
+            self.state[r as usize] &= !ASLEEP;
+            self.work.push(r);
         }
     }
 
     /// Forgets all answers and front flags, but not the set.
     pub fn forget(&mut self) {
         self.wheels.iter_mut().for_each(Wheel::clear);
+        self.waiting.clear();
         self.state.iter_mut().for_each(|s| *s &= !(ASLEEP | AT_FRONT));
         self.work.clear();
     }
@@ -181,7 +213,7 @@ impl Front {
             }
             _ => [f64::NAN; 1 + ARMS],
         };
-        let Self { state, next, work, wheels, .. } = self;
+        let Self { state, next, work, waiting, wheels, .. } = self;
         if wheels.iter().zip(runs).all(|(wheel, run)| wheel.can_run(run)) {
             let mut wake = |r: u32| {
                 state[r as usize] &= !ASLEEP;
@@ -195,6 +227,7 @@ impl Front {
         }
         // No answer holds.
         wheels.iter_mut().for_each(Wheel::clear);
+        waiting.clear();
         state.iter_mut().for_each(|s| *s &= !ASLEEP);
         work.extend(of.roots());
         for r in 0..state.len() as u32 {
@@ -209,6 +242,9 @@ impl Front {
 impl Front {
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
-        self.state.len() + size_of_val(&self.next[..]) + self.wheels.iter().map(Wheel::memory).sum::<usize>()
+        self.state.len()
+            + size_of_val(&self.next[..])
+            + size_of_val(&self.waiting[..])
+            + self.wheels.iter().map(Wheel::memory).sum::<usize>()
     }
 }

@@ -1,12 +1,15 @@
 //! The interface between a structure and the cut.
 
-/// A partially ordered set of refinements. Each refinement has a larger number than its parents and dependencies.
+/// A partially ordered set of refinements, without cycles of parents and dependencies.
 ///
 /// *Parents* of a refinement are refinements whose bounds contain its bounds. *Dependencies* (*needs*) are further
 /// refinements which must be in the mesh before it.
 pub trait Refinements {
     /// Bounds of a refinement, as passed to a [`Criterion`](crate::view::Criterion). Small, since passed by value.
     type Bounds: Copy;
+
+    /// Whether refinements may be unavailable ([`Refinements::available`]).
+    const PARTIAL: bool = false;
 
     /// Returns the number of refinements.
     fn len(&self) -> usize;
@@ -23,7 +26,8 @@ pub trait Refinements {
     fn bounds(&self, refinement: u32) -> Self::Bounds;
 
     /// Returns the error used to order refinements of equal urgency within a budget of triangles: larger errors come
-    /// first, then smaller numbers. Must not exceed the errors of the parents. By default only the number counts.
+    /// first, then smaller numbers. Must not exceed the errors of the parents; where it equals a parent's, the parent must
+    /// have the smaller number. By default only the number counts.
     fn error(&self, refinement: u32) -> f32 {
         let _ = refinement;
         0.0
@@ -37,4 +41,16 @@ pub trait Refinements {
 
     /// Returns the dependencies: refinements besides the parents which must be in the mesh before this refinement.
     fn dependencies(&self, refinement: u32) -> impl Iterator<Item = u32>;
+
+    /// Whether a refinement has arrived. An unavailable refinement has no known bounds, parents, children or dependencies, and
+    /// stays out of the mesh. Refinements in the mesh must stay available.
+    fn available(&self, refinement: u32) -> bool {
+        let _ = refinement;
+        true
+    }
+
+    /// Notes that the cut has come to a refinement which is not available.
+    fn miss(&self, refinement: u32) {
+        let _ = refinement;
+    }
 }

@@ -60,6 +60,19 @@ impl Driver {
         self.limits.as_ref().map_or(&AT_REST, |limits| limits.weights())
     }
 
+    /// Asks again about refinements which waited for others to arrive. Within a limit of triangles, asks about every refinement.
+    #[cfg(feature = "stream")]
+    pub fn arrived(&mut self) {
+        self.cut.arrived();
+        self.forgets |= self.options.triangles.is_some();
+    }
+
+    /// Returns the factor of tolerances by which the limit of triangles is kept; 1 without a limit.
+    #[cfg(feature = "stream")]
+    pub fn limit_factor(&self) -> f64 {
+        self.limits.as_ref().map_or(1.0, |limits| limits.factor())
+    }
+
     /// Asks about every refinement in the next call.
     pub fn forget(&mut self) {
         self.forgets = true;

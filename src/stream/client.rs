@@ -18,6 +18,7 @@ use super::received::Received;
 use super::record::{Models, Record, code_base_scalars, code_base_triangle, code_split};
 use super::request::Request;
 use super::session::{BASE, COLLAPSES, END, MOST_STEPS, MOST_TRIANGLES, SPLITS};
+use super::values::DrawnValues;
 
 /// Options of a [`Client`]. Defaults: a cache of 5 % of all splits, at most 2^24 vertices and triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,8 +64,8 @@ impl ClientOptions {
 /// A vertex that arrived.
 #[derive(Debug, Clone, Copy)]
 pub struct StreamVertex<'a> {
-    words: &'a [u32],
-    header: &'a Header,
+    pub(super) words: &'a [u32],
+    pub(super) header: &'a Header,
 }
 
 impl StreamVertex<'_> {
@@ -123,7 +124,6 @@ pub struct Receipt {
 /// Vertices come without geomorphs. Of [`LodOptions`], only the limit of triangles counts; the server keeps it.
 #[derive(Clone)]
 pub struct Client<V, F> {
-    make: F,
     options: ClientOptions,
     lod_options: LodOptions,
     factor: f32,
@@ -146,9 +146,7 @@ pub struct Client<V, F> {
     base: Vec<[u32; 2]>,
     base_triangles: usize,
     record: Record,
-    /// Drawn vertices, by slot.
-    drawn: Vec<V>,
-    words: Vec<u32>,
+    values: DrawnValues<V, F>,
 }
 
 impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
@@ -157,7 +155,6 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
     pub fn new(options: ClientOptions, make: F) -> Self {
         let share = if options.cache_share >= 0.0 { options.cache_share.min(1.0) } else { 0.0 };
         Self {
-            make,
             options: options.with_cache_share(share),
             lod_options: LodOptions::default().with_buffer(VertexBuffer::Packed),
             factor: 1.0,
@@ -175,8 +172,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
             base: Vec::new(),
             base_triangles: 0,
             record: Record::default(),
-            drawn: Vec::new(),
-            words: Vec::new(),
+            values: DrawnValues::new(make),
         }
     }
 
@@ -275,7 +271,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
         self.cached.clear();
         self.base.clear();
         self.base_triangles = 0;
-        self.drawn.clear();
+        self.values.clear();
     }
 
     fn begin(&mut self, content: &[u8]) -> Result<(), StreamError> {
@@ -403,23 +399,10 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
 
     /// Makes the vertices of slots that were written.
     fn write_vertices(&mut self) {
-        let Self { make, header, received, drawn, words, .. } = self;
-        let vertices = received.surface.vertices().unwrap_or(&[]);
-        let mut value = |vertex: u32| {
-            words.clear();
-            words.extend(header.layout.words(received.numbers(vertex)));
-            make(StreamVertex { words, header })
-        };
-        drawn.truncate(vertices.len());
-        for range in received.surface.dirty_vertices(0) {
-            for slot in range {
-                let value = value(vertices[slot]);
-                match drawn.get_mut(slot) {
-                    Some(place) => *place = value,
-                    None => drawn.push(value),
-                }
-            }
-        }
+        let Self { header, received, values, .. } = self;
+        let scalars =
+            |vertex: u32, words: &mut Vec<u32>| words.extend(header.layout.words(received.numbers(vertex)));
+        values.write(&received.surface, header, scalars);
     }
 
     /// Returns the number of the stream, 0 before its first packet.
@@ -447,7 +430,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> Client<V, F> {
 
     /// Returns the drawn vertices, by slot.
     pub fn values(&self) -> &[V] {
-        &self.drawn
+        self.values.all()
     }
 }
 
@@ -508,7 +491,7 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for Client<V, F> {
     }
 
     fn vertex_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.drawn)
+        bytemuck::cast_slice(self.values.all())
     }
 
     fn vertex_size(&self) -> usize {
@@ -555,6 +538,6 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for Client<V, F> {
             + records
             + self.cache.memory()
             + self.models.memory()
-            + size_of_val(&self.drawn[..])
+            + size_of_val(self.values.all())
     }
 }

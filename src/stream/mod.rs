@@ -19,7 +19,9 @@
 //! | `plan.rs` | the steps from what a client has to what its views ask for |
 //! | `client.rs` | [`Client`]: what a client draws |
 //! | `received.rs` | vertices, splits and triangles that arrived, and their mesh |
+//! | `values.rs` | vertices to be drawn, made of those that arrived |
 //! | `starts.rs` | which drawn vertex a leaf belongs to |
+//! | `store/` | a model in pages, fetched as they are looked at; needs the feature `io` |
 //! | `prefix.rs` | a file of which every beginning is a coarser mesh |
 //! | `record.rs` | a split on the wire, written and read by one text |
 //! | `channels.rs` | the scalars of a vertex as whole numbers |
@@ -47,7 +49,10 @@ mod request;
 mod server;
 mod session;
 mod starts;
+#[cfg(feature = "io")]
+pub mod store;
 mod tables;
+mod values;
 
 pub use client::{Client, ClientOptions, Receipt, StreamVertex};
 pub use error::StreamError;

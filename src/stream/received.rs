@@ -11,6 +11,7 @@ use super::error::{Damage, StreamError};
 use super::header::Header;
 use super::record::{DrawnMesh, Record, Run};
 use super::starts::Starts;
+use super::values::{Arrived, drawn_mesh};
 
 /// A vertex that arrived: drawn, or replaced by finer vertices.
 #[derive(Debug, Clone, Copy)]
@@ -163,11 +164,6 @@ impl Received {
         &self.parts.numbers[vertex as usize * self.parts.channels..][..self.parts.channels]
     }
 
-    /// Returns the first leaf of a drawn vertex: a name that does not depend on what arrived before.
-    pub fn first_leaf(&self, vertex: u32) -> u32 {
-        self.parts.vertices[vertex as usize].start
-    }
-
     /// Adds a vertex of the coarsest mesh, after all with lower first leaves.
     pub fn add_base_vertex(&mut self, start: u32, numbers: &[u32]) {
         if let Some(last) = self.parts.last {
@@ -265,29 +261,7 @@ impl Received {
 
     /// Returns the drawn triangles with all attributes: vertices by their first leaves, triangles by their leaves.
     pub fn to_mesh(&self, header: &Header) -> Result<Mesh, StreamError> {
-        let slots = self.surface.vertices().unwrap_or(&[]);
-        let mut drawn = Vec::new();
-        for group in 0..self.surface.groups() {
-            let corners = self.surface.triangles(group).iter().map(|t| t.map(|slot| slots[slot as usize]));
-            let leaves = self.surface.drawn(group).iter().map(|&t| self.parts.triangles[t as usize]);
-            drawn.extend(leaves.zip(corners).map(|(leaves, corners)| (leaves, corners, group)));
-        }
-        drawn.sort_unstable();
-        let mut used: Vec<u32> = slots.to_vec();
-        used.sort_unstable_by_key(|&vertex| self.first_leaf(vertex));
-        let place = |vertex: u32| {
-            let first = self.first_leaf(vertex);
-            used.partition_point(|&other| self.first_leaf(other) < first) as u32
-        };
-        let triangles = drawn.iter().map(|(_, corners, _)| corners.map(place)).collect();
-        let words: Vec<u32> =
-            used.iter().flat_map(|&vertex| header.layout.words(self.numbers(vertex))).collect();
-        let mesh = header.layout.mesh(&words, triangles)?;
-        if header.materials.is_empty() {
-            return Ok(mesh);
-        }
-        let materials: Vec<u32> = drawn.iter().map(|(.., group)| header.materials[*group]).collect();
-        mesh.with_materials(materials).map_err(|_| StreamError::Damaged { what: "materials make no mesh" })
+        drawn_mesh(&self.surface, header, &Named { received: self, header })
     }
 
     /// Bytes of its arrays; the nodes of its trees are estimated.
@@ -318,6 +292,26 @@ impl Parts {
             self.runs.insert(old.start, to);
             self.free_vertices.push(vertex);
         }
+    }
+}
+
+/// Vertices and triangles that arrived, for a mesh of them.
+struct Named<'a> {
+    received: &'a Received,
+    header: &'a Header,
+}
+
+impl Arrived for Named<'_> {
+    fn leaves(&self, triangle: u32) -> [u32; 3] {
+        self.received.parts.triangles[triangle as usize]
+    }
+
+    fn first_leaf(&self, vertex: u32) -> u32 {
+        self.received.parts.vertices[vertex as usize].start
+    }
+
+    fn scalars(&self, vertex: u32, words: &mut Vec<u32>) {
+        words.extend(self.header.layout.words(self.received.numbers(vertex)));
     }
 }
 

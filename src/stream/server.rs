@@ -52,7 +52,8 @@ impl StreamOptions {
         self
     }
 
-    fn check(&self) -> Result<(), StreamError> {
+    /// Checks the options.
+    pub(super) fn check(&self) -> Result<(), StreamError> {
         let options = [("position_bits", self.position_bits), ("attribute_bits", self.attribute_bits)];
         for (option, bits) in options {
             if let Some(bits) = bits.filter(|bits| !(1..32).contains(bits)) {

@@ -25,8 +25,7 @@ pub(super) struct Tables {
 impl Tables {
     pub fn new(of: &VertexHierarchy) -> Self {
         let (vertices, splits) = (of.vertex_count(), of.split_count() as u32);
-        let mut base: Vec<u32> = (0..vertices as u32).filter(|&v| of.split_of(v) == NONE).collect();
-        base.sort_unstable_by_key(|&vertex| of.first_leaf(vertex));
+        let base = Self::base(of);
         // Ends while all splits so far are made.
         let mut end = vec![0; vertices];
         let mut now = vec![0; vertices];
@@ -57,6 +56,14 @@ impl Tables {
             owner,
             base,
         }
+    }
+
+    /// Returns the vertices of the coarsest mesh, by first leaf.
+    pub fn base(of: &VertexHierarchy) -> Vec<u32> {
+        let vertices = 0..of.vertex_count() as u32;
+        let mut base: Vec<u32> = vertices.filter(|&vertex| of.split_of(vertex) == NONE).collect();
+        base.sort_unstable_by_key(|&vertex| of.first_leaf(vertex));
+        base
     }
 
     /// Returns the key of a split: the first leaf of the first vertex that comes.

@@ -9,3 +9,5 @@ mod hostile;
 mod limits;
 mod prefix;
 mod same_cut;
+#[cfg(feature = "io")]
+mod store;

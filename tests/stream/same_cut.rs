@@ -6,24 +6,7 @@ use multires::prelude::*;
 use multires::stream::{ClientOptions, Server, StreamOptions};
 use multires::{Baked, LodOptions};
 
-use crate::sent::{Positions, check_buffers, client, content, exchange, view};
-
-/// Writes a client's uploads into copies of its buffers.
-fn upload(client: &mut Positions, buffers: &mut Vec<Vec<u8>>) {
-    for upload in client.uploads() {
-        buffers.resize(buffers.len().max(upload.buffer + 1), Vec::new());
-        let buffer = &mut buffers[upload.buffer];
-        buffer.resize(buffer.len().max(upload.offset as usize + upload.bytes.len()), 0);
-        buffer[upload.offset as usize..][..upload.bytes.len()].copy_from_slice(upload.bytes);
-    }
-    client.clean();
-    let vertices = client.vertex_bytes();
-    assert!(buffers.first().is_none_or(|buffer| &buffer[..vertices.len()] == vertices));
-    for group in 0..client.groups() {
-        let indices: &[u8] = bytemuck::cast_slice(client.triangles(group));
-        assert!(buffers.get(1 + group).is_none_or(|buffer| &buffer[..indices.len()] == indices));
-    }
-}
+use crate::sent::{check_buffers, client, content, exchange, upload, view};
 
 fn check(model: &Baked<VertexHierarchy>, options: &StreamOptions, budget: usize) {
     let server = Server::new(model, options).unwrap();

@@ -61,15 +61,31 @@ pub fn exchange(
     bytes
 }
 
-/// Checks that a client's buffers are a mesh: corners name slots, and no triangle has two equal corners.
-pub fn check_buffers(client: &Positions) {
-    let slots = client.vertices().unwrap().len();
-    assert_eq!(client.values().len(), slots);
-    assert_eq!(client.vertex_bytes().len(), slots * 12);
-    for group in 0..client.groups() {
-        for triangle in client.triangles(group) {
+/// Checks that packed buffers of positions are a mesh: corners name slots, and no triangle has two equal corners.
+pub fn check_buffers(lod: &dyn Lod) {
+    let slots = lod.vertices().unwrap().len();
+    assert_eq!(lod.vertex_bytes().len(), slots * 12);
+    for group in 0..lod.groups() {
+        for triangle in lod.triangles(group) {
             assert!(triangle.iter().all(|&slot| (slot as usize) < slots), "{triangle:?} of {slots}");
             assert!(triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]);
         }
+    }
+}
+
+/// Writes uploads into copies of the buffers, and checks that the copies are what is drawn.
+pub fn upload(lod: &mut dyn Lod, buffers: &mut Vec<Vec<u8>>) {
+    for upload in lod.uploads() {
+        buffers.resize(buffers.len().max(upload.buffer + 1), Vec::new());
+        let buffer = &mut buffers[upload.buffer];
+        buffer.resize(buffer.len().max(upload.offset as usize + upload.bytes.len()), 0);
+        buffer[upload.offset as usize..][..upload.bytes.len()].copy_from_slice(upload.bytes);
+    }
+    lod.clean();
+    let vertices = lod.vertex_bytes();
+    assert!(buffers.first().is_none_or(|buffer| &buffer[..vertices.len()] == vertices));
+    for group in 0..lod.groups() {
+        let indices: &[u8] = bytemuck::cast_slice(lod.triangles(group));
+        assert!(buffers.get(1 + group).is_none_or(|buffer| &buffer[..indices.len()] == indices));
     }
 }
