@@ -69,8 +69,7 @@ impl Simulated {
             browser: Browser::open(options, triangles, None)?,
             now: 0,
             packets: VecDeque::new(),
-            /// Requests on their way, with the times of their arrival.
-    requests: VecDeque::new(),
+            requests: VecDeque::new(),
             free: 0,
             silent: true,
             busy: Vec::new(),

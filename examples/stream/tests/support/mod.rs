@@ -10,11 +10,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use multires::lod::{Lod, LodOptions};
 use multires::mesh::shapes;
+use multires::prelude::*;
 use multires::stream::{ClientOptions, Server};
 use multires::view::ObjectView;
-use multires::{Baked, hierarchy::VertexHierarchy};
 use multires_stream_example::browser::Browser;
 use multires_stream_example::service::{Service, ServiceOptions};
 use multires_stream_example::{line, model};
@@ -44,8 +43,7 @@ impl Running {
 
 /// Returns a server of a rock.
 pub fn rock(triangles: u32, seed: u32) -> Server {
-    let baked: Baked<VertexHierarchy> = VertexHierarchy::bake(&shapes::rock(triangles, seed)).unwrap();
-    model::server(&baked, 12).unwrap()
+    model::server(&VertexHierarchy::bake(&shapes::rock(triangles, seed)).unwrap(), 12).unwrap()
 }
 
 /// Serves a model on a free port of this machine.
