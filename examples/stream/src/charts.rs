@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::AnyError;
 
@@ -44,6 +45,8 @@ pub const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub const GREY: RGBColor = RGBColor(150, 150, 150);
 
 const FONT: &str = "sans-serif";
+/// Pixels around a panel.
+const MARGIN: i32 = 8;
 
 /// Draws panels in a grid of `rows` and `columns`, a picture of `size` pixels.
 ///
@@ -70,8 +73,14 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
         y.start = 0.0;
     }
     y.end = panel.most.unwrap_or(y.end * 1.05);
+    if panel.log {
+        y.start *= 0.8;
+    }
     let mut builder = ChartBuilder::on(area);
-    builder.margin(8).caption(panel.title, (FONT, 16)).x_label_area_size(36).y_label_area_size(62);
+    builder.margin(MARGIN).margin_right(MARGIN + 8);
+    let title = (FONT, 15).into_font().into_text_style(area).pos(Pos::new(HPos::Left, VPos::Top));
+    area.draw_text(panel.title, &title, (62 + MARGIN, MARGIN + 2)).map_err(shown)?;
+    builder.margin_top(MARGIN + 24).x_label_area_size(36).y_label_area_size(62);
     // The coordinates' types differ, so the two kinds of axis do not meet in one variable.
     macro_rules! chart {
         ($x:expr, $y:expr) => {{
@@ -92,20 +101,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
             for line in &panel.lines {
                 let style = line.colour.stroke_width(2);
                 let points = line.points.iter().map(|p| (p.0, p.1.min(y.end)));
-                chart
-                    .draw_series(LineSeries::new(points, style))
-                    .map_err(shown)?
-                    .label(line.name)
-                    .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
-            }
-            if panel.lines.len() > 1 {
-                chart
-                    .configure_series_labels()
-                    .position(SeriesLabelPosition::UpperRight)
-                    .background_style(WHITE.mix(0.85))
-                    .label_font((FONT, 13))
-                    .draw()
-                    .map_err(shown)?;
+                chart.draw_series(LineSeries::new(points, style)).map_err(shown)?;
             }
         }};
     }
@@ -114,6 +110,20 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
         chart!(log(&x), log(&y))
     } else {
         chart!(x.clone(), y.clone())
+    }
+    if panel.lines.len() > 1 {
+        name_lines(area, &panel.lines)?;
+    }
+    Ok(())
+}
+
+/// Writes the names of lines in their colours above a panel, at the right: no name covers a line.
+fn name_lines(area: &DrawingArea<SVGBackend<'_>, Shift>, lines: &[Line]) -> Result<(), AnyError> {
+    let mut right = area.dim_in_pixel().0 as i32 - MARGIN;
+    for line in lines.iter().rev() {
+        let style = (FONT, 13).into_font().color(&line.colour).pos(Pos::new(HPos::Right, VPos::Top));
+        area.draw_text(line.name, &style, (right, MARGIN + 4)).map_err(shown)?;
+        right -= 7 * line.name.len() as i32 + 16;
     }
     Ok(())
 }

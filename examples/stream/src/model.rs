@@ -38,13 +38,22 @@ pub fn server(model: &Baked<VertexHierarchy>, bits: u32) -> Result<Server, AnyEr
     Ok(Server::new(model, &StreamOptions::default().with_position_bits(Some(bits)))?)
 }
 
+/// Returns an instance of a server's model: it draws what a client draws once all packets have come.
+///
+/// # Errors
+/// The model has no instance.
+pub fn local(server: &Server) -> Result<impl Lod + use<>, AnyError> {
+    let model = server.model();
+    let positions = model.vertices().positions();
+    Ok(model.instance(model.values(|vertex| positions[vertex]), &LodOptions::default())?)
+}
+
 /// Returns all triangles of a server's model, as clients get them.
 ///
 /// # Errors
 /// The model has no instance.
 pub fn full(server: &Server) -> Result<Mesh, AnyError> {
-    let model = server.model();
-    let mut lod = model.instance(model.arrange(model.vertices().positions())?, &LodOptions::default())?;
+    let mut lod = local(server)?;
     lod.refine_fully();
     Ok(lod.to_mesh())
 }

@@ -16,9 +16,9 @@ const INK: [u8; 3] = [52, 58, 68];
 const CAPTION: usize = 30;
 const GAP: usize = 6;
 /// Bits kept of each colour.
-const BITS: u32 = 5;
+const BITS: u32 = 6;
 
-/// Draws a mesh as a camera sees it, triangle edges `edges` pixels wide.
+/// Draws a mesh as a camera sees it: flat triangles with edges `edges` pixels wide, or a smooth surface if `edges` is 0.
 ///
 /// # Errors
 /// The picture has no pixels, or the pose is not finite.
@@ -27,7 +27,7 @@ pub fn draw(mesh: &Mesh, pose: &Pose, size: [usize; 2], edges: f32) -> Result<Pi
         if mesh.materials().is_empty() { Colours::Uniform([150, 172, 200]) } else { Colours::Materials };
     let options = RenderOptions::default()
         .with_size(size[0], size[1])
-        .with_shading(Shading::Flat)
+        .with_shading(if edges > 0.0 { Shading::Flat } else { Shading::Smooth })
         .with_background(PAPER, PAPER)
         .with_occlusion_rays(0)
         .with_colours(colours)

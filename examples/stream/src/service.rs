@@ -132,7 +132,8 @@ impl Service {
     pub fn counts(&self) -> ServiceCounts {
         let Counters { connections, refused, failed, sessions, resumed, bytes } = &self.counters;
         let [connections, refused, failed, sessions, resumed, bytes] =
-            [connections, refused, failed, sessions, resumed, bytes].map(|count| count.load(Ordering::Relaxed));
+            [connections, refused, failed, sessions, resumed, bytes]
+                .map(|count| count.load(Ordering::Relaxed));
         ServiceCounts { connections, refused, failed, sessions, resumed, bytes }
     }
 

@@ -70,7 +70,7 @@ struct Simulation {
     /// Mesh or baked vertex hierarchy; default: a model that the crate makes.
     file: Option<PathBuf>,
     /// Bytes a second.
-    #[arg(long, default_value_t = 100_000.0)]
+    #[arg(long, default_value_t = 10_000.0)]
     rate: f64,
     /// Milliseconds from one end to the other.
     #[arg(long, default_value_t = 50)]

@@ -60,9 +60,8 @@ async fn run(arguments: Arguments) -> Result<(), AnyError> {
         options.rate = rate;
     }
     let server = model::server(&model::open(file.as_deref())?, bits)?;
-    let listener = TcpListener::bind((host.as_str(), port))
-        .await
-        .map_err(|error| format!("{host}:{port}: {error}"))?;
+    let listener =
+        TcpListener::bind((host.as_str(), port)).await.map_err(|error| format!("{host}:{port}: {error}"))?;
     let triangles = server.model().structure().triangle_count();
     println!("{}, {triangles} triangles, at {}", model::name(file.as_deref()), listener.local_addr()?);
     let service = Service::new(server, options);

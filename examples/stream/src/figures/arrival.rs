@@ -13,7 +13,7 @@ use crate::pictures;
 use crate::simulated::Simulated;
 
 /// Moments of the pictures, milliseconds.
-const MOMENTS: [u64; 6] = [150, 200, 300, 500, 1_000, 2_000];
+const MOMENTS: [u64; 6] = [200, 300, 500, 1_000, 2_000, 4_000];
 /// Moment of the script at which the camera stands still, seconds: on the orbit, the detail in front.
 const STANDS: f64 = 8.0;
 

@@ -1,5 +1,5 @@
-//! A detail at three limits of triangles (Southern, Fig. 5.8): above as the camera sees it, below from further away, where the
-//! rest of the model is coarse.
+//! A detail at three limits of triangles (Southern, Fig. 5.8): the surface and the triangles as the camera sees them, and the
+//! triangles from further away, where the rest of the model is coarse.
 
 use std::io::Write;
 use std::path::Path;
@@ -17,14 +17,16 @@ use crate::pictures;
 const LIMITS: [usize; 3] = [1_000, 1_500, 2_000];
 /// Tolerance, pixels: the view asks for more than any limit.
 const FINE: f32 = 0.25 * PIXELS;
-/// Distance of the eye for the pictures below, in distances of the camera.
+/// Distance of the eye for the pictures from further away, in distances of the camera.
 const BACK: f64 = 4.0;
+/// Pixels of a picture.
+const PICTURE: [usize; 2] = [400, 260];
 
 pub(super) fn make(figures: &Figures, file: &Path, says: &mut impl Write) -> Result<(), AnyError> {
     let pose = Script::Detail.pose(&figures.scene, 0.0);
     let far = pose.back(BACK);
     let view = pose.view(VIEWPORT, FINE)?;
-    let (mut near_row, mut far_row) = (Vec::new(), Vec::new());
+    let mut rows = [const { Vec::new() }; 3];
     writeln!(says, "\ndetail:  limit  triangles  most after any packet  bytes  error px")?;
     for limit in LIMITS {
         let (mut session, mut client) = (figures.server.session(), positions(ClientOptions::default()));
@@ -43,9 +45,15 @@ pub(super) fn make(figures: &Figures, file: &Path, says: &mut impl Write) -> Res
         let count = mesh.triangles().len();
         let error = figures.errors.measure(&mesh, &pose, VIEWPORT)?.unwrap_or(f64::NAN);
         writeln!(says, "{limit} {count} {most} {bytes} {error:.2}")?;
-        near_row.push((pictures::draw(&mesh, &pose, [400, 300], 0.8)?, format!("{count} triangles   {bytes} bytes")));
-        far_row.push((pictures::draw(&mesh, &far, [400, 300], 0.6)?, "from further away".to_owned()));
+        let captions = [
+            format!("limit {limit}   {bytes} bytes"),
+            format!("{count} triangles"),
+            "from further away".to_owned(),
+        ];
+        let looks = [(&pose, 0.0), (&pose, 0.8), (&far, 0.6)];
+        for ((row, (pose, edges)), caption) in rows.iter_mut().zip(looks).zip(captions) {
+            row.push((pictures::draw(&mesh, pose, PICTURE, edges)?, caption));
+        }
     }
-    near_row.append(&mut far_row);
-    pictures::write(file, &near_row, LIMITS.len())
+    pictures::write(file, &rows.into_iter().flatten().collect::<Vec<_>>(), LIMITS.len())
 }

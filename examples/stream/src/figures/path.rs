@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use multires::lod::{Lod, LodOptions};
+use multires::lod::Lod;
 use multires::stream::ClientOptions;
 
 use super::{FRAME, Figures, PIXELS};
@@ -56,7 +56,7 @@ pub(super) fn make(figures: &Figures, file: &Path, says: &mut impl Write) -> Res
     let panel = |title, unit, most, lines| Panel { title, axes: ["seconds", unit], log: false, most, lines };
     let panels = [
         panel("Triangles drawn", "triangles", None, triangles),
-        panel("Screen error, 95th percentile", "pixels", Some(10.0), error),
+        panel("Screen error, 95th percentile", "pixels", Some(4.0), error),
         panel("Line in use, over the last second", "%", Some(110.0), busy),
     ];
     Ok(std::fs::write(file, svg(&panels, (3, 1), (860, 780))?)?)
@@ -97,9 +97,7 @@ fn fly(figures: &Figures, options: ClientOptions) -> Result<(Simulated, [Points;
 
 /// Returns the triangles that each view asks for, from an instance of the whole model.
 fn asked_for(figures: &Figures) -> Result<Points, AnyError> {
-    let model = figures.server.model();
-    let mut local =
-        model.instance(model.arrange(model.vertices().positions())?, &LodOptions::default())?;
+    let mut local = crate::model::local(&figures.server)?;
     let mut points = Vec::new();
     for frame in 0..frames() {
         let change = local.adapt(&[pose(figures, frame).view(VIEWPORT, PIXELS)?], 0.0);

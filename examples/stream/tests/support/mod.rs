@@ -77,9 +77,7 @@ pub fn with_journal(file: &std::path::Path) -> Browser {
 
 /// Looks at a view until the client draws what an instance of the whole model draws.
 pub async fn see(browser: &mut Browser, address: SocketAddr, server: &Server, view: ObjectView) {
-    let model = server.model();
-    let values = model.arrange(model.vertices().positions()).unwrap();
-    let mut local = model.instance(values, &LodOptions::default()).unwrap();
+    let mut local = model::local(server).unwrap();
     let triangles = local.adapt(std::slice::from_ref(&view), 0.0).triangles;
     let right = content(&local.to_mesh());
     let mut watch = |browser: &Browser, _: Duration, _: Duration| {
