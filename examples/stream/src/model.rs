@@ -16,7 +16,11 @@ use crate::AnyError;
 pub fn open(file: Option<&Path>) -> Result<Baked<VertexHierarchy>, AnyError> {
     let Some(file) = file else { return Ok(VertexHierarchy::bake(&shapes::demo())?) };
     let baked = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mres"));
-    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", file.display());
+    // Errors of the operating system name the file already.
+    let named = |error: &dyn std::fmt::Display| {
+        let (path, error) = (file.display().to_string(), error.to_string());
+        if error.starts_with(&path) { error } else { format!("{path}: {error}") }
+    };
     if baked {
         return Ok(Baked::read(file).map_err(|error| named(&error))?);
     }
