@@ -109,7 +109,7 @@ pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, state: &[u8], r: u32) ->
             continue;
         }
         if !of.available(r) {
-            of.miss(r);
+            of.miss(r, true);
             return false;
         }
         stack.push((r, true));

@@ -100,7 +100,7 @@ impl Front {
                 continue;
             }
             if R::PARTIAL && !of.available(r) {
-                of.miss(r);
+                of.miss(r, false);
                 self.wait(r);
                 continue;
             }
@@ -146,7 +146,7 @@ impl Front {
         if self.state[r as usize] & ASKED != 0 {
             !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
         } else if R::PARTIAL && !of.available(r) {
-            of.miss(r);
+            of.miss(r, false);
             false
         } else {
             of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)

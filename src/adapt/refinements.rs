@@ -49,8 +49,9 @@ pub trait Refinements {
         true
     }
 
-    /// Notes that the cut has come to a refinement which is not available.
-    fn miss(&self, refinement: u32) {
-        let _ = refinement;
+    /// Notes that the cut has come to a refinement which is not available. `needed`: a refinement asked for needs it, whether
+    /// or not it is asked for itself.
+    fn miss(&self, refinement: u32, needed: bool) {
+        let _ = (refinement, needed);
     }
 }

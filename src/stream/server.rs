@@ -114,6 +114,12 @@ impl Shared {
         self.header.layout.len()
     }
 
+    /// Returns how much a split counts for the bytes of a packet: 1 for one vertex and two triangles, and more for a split that
+    /// brings more, up to whole components.
+    pub fn weight(&self, split: u32) -> usize {
+        self.of().owned(split).len().div_ceil(2).max(self.of().brings(split).len())
+    }
+
     /// Returns a number that no stream has had.
     pub fn next_stream(&self) -> u32 {
         self.streams.fetch_add(1, Ordering::Relaxed).wrapping_add(1).max(1)

@@ -65,7 +65,7 @@ pub struct Session {
     again: Option<usize>,
     window: usize,
     cache_share: f32,
-    /// Bytes that a split takes, about.
+    /// Bytes that a split of weight 1 takes, about.
     bytes_a_split: f32,
     record: Record,
     counts: SessionCounts,
@@ -305,9 +305,20 @@ impl Session {
                     }
                     // A set of as many as fit: sent in the order of their keys, which costs less.
                     let each = if kind == SPLITS { self.bytes_a_split } else { 2.0 };
-                    let fit = ((left as f32 / each) as usize).clamp(1, MOST_STEPS - count);
-                    let mut set = &steps[at..end.min(at + fit)];
+                    let fit = ((left as f32 / each) as usize).max(1);
+                    let mut set = &steps[at..end.min(at + fit.min(MOST_STEPS - count))];
                     if kind == SPLITS {
+                        let mut weight = 0;
+                        let light = |split: &&u32| {
+                            weight += self.shared.weight(**split);
+                            weight <= fit
+                        };
+                        let light = set.iter().take_while(light).count();
+                        // A split that brings a whole component goes alone, in a packet of its own.
+                        if light == 0 && count > 0 {
+                            return Ok(true);
+                        }
+                        set = &set[..light.max(1)];
                         let mut room = MOST_TRIANGLES - triangles;
                         let fits = |split: &&u32| {
                             let owned = self.shared.of().owned(**split).len();
@@ -344,12 +355,12 @@ impl Session {
         Ok(keyed)
     }
 
-    /// Writes splits that do not build on each other. Returns how many were sent with their content.
+    /// Writes splits that do not build on each other. Returns the weight of the splits that were sent with their content.
     fn write_splits(&mut self, writer: &mut Writer, set: &[u32]) -> Result<usize, Damage> {
         let keyed = self.keys(writer, set)?;
         let shared = Arc::clone(&self.shared);
         let groups = shared.header.materials.len().max(1);
-        let mut sent = 0;
+        let (mut sent, mut weight) = (0, 0);
         for (key, split) in keyed {
             if self.cache.take(key) {
                 self.counts.cached += 1;
@@ -357,6 +368,7 @@ impl Session {
                 record_of(shared.of(), &shared.numbers, shared.channels(), split, &mut self.record);
                 let mesh = shared.mesh(&self.has);
                 code_split(writer, &mut self.models, &mesh, &shared.header.layout, groups, &mut self.record)?;
+                weight += shared.weight(split);
                 sent += 1;
             }
             self.has.add(split);
@@ -364,7 +376,7 @@ impl Session {
         }
         self.splits += set.len();
         self.counts.splits += sent;
-        Ok(sent)
+        Ok(weight)
     }
 
     fn write_collapses(&mut self, writer: &mut Writer, set: &[u32]) -> Result<usize, Damage> {

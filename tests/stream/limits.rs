@@ -37,6 +37,25 @@ fn a_limit_of_triangles_holds_after_every_packet() {
     }
 }
 
+/// Some splits of this model bring whole components: thousands of bytes, which no packet can part.
+#[test]
+fn a_packet_of_several_splits_holds_its_budget() {
+    let server =
+        Server::new(&VertexHierarchy::bake(&shapes::demo()).unwrap(), &StreamOptions::default()).unwrap();
+    let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+    client.adapt(&[view([0.0, 0.5, 4.0], 3.0)], 0.0);
+    let mut alone = 0;
+    loop {
+        session.receive(&client.request()).unwrap();
+        let Some(packet) = session.packet(500) else { break };
+        let splits = client.receive(&packet).unwrap().splits;
+        let over = packet.len() > 800;
+        alone += usize::from(over);
+        assert!(!over || splits == 1, "{splits} splits take {} bytes", packet.len());
+    }
+    assert!(alone > 0);
+}
+
 /// Levels come coarse first, and in a level the most urgent splits: on the way the surface is never much worse than the best of
 /// as many triangles.
 #[cfg(feature = "quality")]

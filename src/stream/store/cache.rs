@@ -1,7 +1,7 @@
 //! The pages in memory, as the cut sees them.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::adapt::Refinements;
 use crate::mesh::NONE;
@@ -11,6 +11,10 @@ use super::super::values::Arrived;
 use super::blocks::Blocks;
 use super::header::Shared;
 use super::page::{PAGE, Page};
+
+/// The cut has come to a split of the page, or needs one for another that is asked for.
+const COME_TO: u8 = 1;
+const NEEDED: u8 = 2;
 
 /// A page in memory.
 #[derive(Debug, Clone)]
@@ -34,8 +38,8 @@ pub(super) struct Pages {
     slot_of: Vec<u32>,
     vertices: Blocks,
     triangles: Blocks,
-    /// Per page, whether the cut has come to a split of it since it was in memory last.
-    missed: Vec<AtomicBool>,
+    /// Per page, whether the cut has come to a split of it since it was in memory last: `COME_TO`, or `NEEDED`.
+    missed: Vec<AtomicU8>,
     /// Bytes of the pages.
     bytes: usize,
     /// Advances with every page that comes or is left.
@@ -44,7 +48,7 @@ pub(super) struct Pages {
 
 impl Clone for Pages {
     fn clone(&self) -> Self {
-        let missed = self.missed.iter().map(|missed| AtomicBool::new(missed.load(Ordering::Relaxed)));
+        let missed = self.missed.iter().map(|missed| AtomicU8::new(missed.load(Ordering::Relaxed)));
         Self {
             store: Arc::clone(&self.store),
             slots: self.slots.clone(),
@@ -68,7 +72,7 @@ impl Pages {
             slot_of: vec![NONE; pages],
             vertices: Blocks::new(store.first_leaf.len() as u32),
             triangles: Blocks::new(store.triangles.len() as u32),
-            missed: (0..pages).map(|_| AtomicBool::new(false)).collect(),
+            missed: (0..pages).map(|_| AtomicU8::new(0)).collect(),
             bytes: 0,
             clock: 0,
             store,
@@ -98,9 +102,10 @@ impl Pages {
         self.slot_of.get(page as usize).is_some_and(|&slot| slot != NONE)
     }
 
-    /// Returns the pages that the cut has come to and not found.
-    pub fn missed(&self) -> impl Iterator<Item = u32> {
-        (0..).zip(&self.missed).filter(|(_, missed)| missed.load(Ordering::Relaxed)).map(|(page, _)| page)
+    /// Returns the pages that the cut has come to and not found, and whether it needs them whatever their bounds.
+    pub fn missed(&self) -> impl Iterator<Item = (u32, bool)> {
+        let missed = (0..).zip(&self.missed).map(|(page, missed)| (page, missed.load(Ordering::Relaxed)));
+        missed.filter(|(_, missed)| *missed != 0).map(|(page, missed)| (page, missed & NEEDED != 0))
     }
 
     /// Adds a page, which must not be in memory.
@@ -120,7 +125,7 @@ impl Pages {
             None => self.slots.push(Some(slot)),
         }
         self.slot_of[page as usize] = number;
-        self.missed[page as usize].store(false, Ordering::Relaxed);
+        self.missed[page as usize].store(0, Ordering::Relaxed);
         self.bytes += bytes as usize;
     }
 
@@ -191,7 +196,7 @@ impl Pages {
     pub fn memory(&self) -> usize {
         self.bytes
             + self.slots.capacity() * size_of::<Option<Slot>>()
-            + self.slot_of.len() * (size_of::<u32>() + size_of::<AtomicBool>())
+            + self.slot_of.len() * (size_of::<u32>() + size_of::<AtomicU8>())
             + self.vertices.memory()
             + self.triangles.memory()
     }
@@ -276,7 +281,8 @@ impl Refinements for Pages {
         self.slot_of[(split / PAGE) as usize] != NONE
     }
 
-    fn miss(&self, split: u32) {
-        self.missed[(split / PAGE) as usize].store(true, Ordering::Relaxed);
+    fn miss(&self, split: u32, needed: bool) {
+        let how = if needed { NEEDED } else { COME_TO };
+        self.missed[(split / PAGE) as usize].fetch_or(how, Ordering::Relaxed);
     }
 }

@@ -111,16 +111,12 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> StoreLod<V, F> {
     pub fn wanted(&self) -> Vec<PageRange> {
         let store = self.pages.store();
         let factor = f64::from(self.driver.tolerance_factor()) * self.driver.limit_factor();
-        let urgency = |page: u32| match self.everything {
-            true => f64::INFINITY,
-            false => self.views.urgency_scaled(&store.page_bounds[page as usize], factor),
+        let urgency = |(page, needed): (u32, bool)| match needed || self.everything {
+            true => (f64::INFINITY, page),
+            false => (self.views.urgency_scaled(&store.page_bounds[page as usize], factor), page),
         };
-        let mut missed: Vec<(f64, u32)> = self
-            .pages
-            .missed()
-            .map(|page| (urgency(page), page))
-            .filter(|(urgency, _)| *urgency > 1.0)
-            .collect();
+        let mut missed: Vec<(f64, u32)> =
+            self.pages.missed().map(urgency).filter(|(urgency, _)| *urgency > 1.0).collect();
         missed.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let size = |page: u32| store.page_sizes[page as usize][2] as usize;
         let mut room = self.cache.saturating_sub(self.pages.bytes());
@@ -350,6 +346,24 @@ mod tests {
         let slots = lod.vertices().map_or(0, <[u32]>::len) as u32;
         for &[a, b, c] in lod.triangles(0) {
             assert!(a.max(b).max(c) < slots && a != b && b != c && c != a);
+        }
+    }
+
+    #[test]
+    fn bounds_of_pages_contain_those_of_their_splits() {
+        for mesh in [shapes::rock(12_000, 1), shapes::robot(4)] {
+            let model = HierarchyBuilder::new().bake(&mesh).expect("a model");
+            let mut file = Vec::new();
+            write_store(&model, &StoreOptions::default(), &mut file).expect("a store");
+            let store = Store::open(&mut Cursor::new(&file)).expect("a store");
+            for (number, union) in (0..).zip(&store.0.page_bounds) {
+                let range = store.page_range(number).expect("a page");
+                let bytes = file[range.start as usize..range.end as usize].to_vec();
+                let page = store.0.page(number, bytes).expect("a page");
+                for bounds in &page.bounds {
+                    assert!(union.contains(bounds), "{union:?} {bounds:?}");
+                }
+            }
         }
     }
 
