@@ -70,7 +70,7 @@ impl Budget {
     }
 
     /// Returns the factor of all tolerances.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub fn factor(&self) -> f64 {
         self.factor
     }

@@ -92,7 +92,7 @@ impl Cut {
     }
 
     /// Asks again, in the next update, about refinements which waited for others to arrive.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub(crate) fn arrived(&mut self) {
         self.front.arrived();
     }

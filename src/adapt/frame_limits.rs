@@ -36,7 +36,7 @@ impl FrameLimits {
     }
 
     /// Returns the factor of all tolerances by which the triangles are within their limit; 1 without a limit.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub fn factor(&self) -> f64 {
         self.budget.as_ref().map_or(1.0, Budget::factor)
     }

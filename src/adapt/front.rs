@@ -160,7 +160,7 @@ impl Front {
     }
 
     /// Wakes what waits for others to arrive.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub fn arrived(&mut self) {
         for r in self.waiting.drain(..) {
             self.state[r as usize] &= !ASLEEP;

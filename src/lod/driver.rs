@@ -61,14 +61,14 @@ impl Driver {
     }
 
     /// Asks again about refinements which waited for others to arrive. Within a limit of triangles, asks about every refinement.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub fn arrived(&mut self) {
         self.cut.arrived();
         self.forgets |= self.options.triangles.is_some();
     }
 
     /// Returns the factor of tolerances by which the limit of triangles is kept; 1 without a limit.
-    #[cfg(feature = "stream")]
+    #[cfg(all(feature = "stream", feature = "io"))]
     pub fn limit_factor(&self) -> f64 {
         self.limits.as_ref().map_or(1.0, |limits| limits.factor())
     }

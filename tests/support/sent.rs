@@ -85,7 +85,8 @@ pub fn upload(lod: &mut dyn Lod, buffers: &mut Vec<Vec<u8>>) {
     let vertices = lod.vertex_bytes();
     assert!(buffers.first().is_none_or(|buffer| &buffer[..vertices.len()] == vertices));
     for group in 0..lod.groups() {
-        let indices: &[u8] = bytemuck::cast_slice(lod.triangles(group));
+        let indices = lod.triangles(group).as_flattened().iter();
+        let indices: Vec<u8> = indices.flat_map(|index| index.to_ne_bytes()).collect();
         assert!(buffers.get(1 + group).is_none_or(|buffer| &buffer[..indices.len()] == indices));
     }
 }

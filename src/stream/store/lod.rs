@@ -389,9 +389,8 @@ mod tests {
                         state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                     ((state >> 33) % u64::from(most)) as u32
                 };
-                let mut options = LodOptions::default();
-                options.triangles = most;
-                options.operations = (seed % 3 == 0).then_some(200);
+                let operations = (seed % 3 == 0).then_some(200);
+                let options = LodOptions { triangles: most, operations, ..LodOptions::default() };
                 let mut lod = store.instance(1 << 17, &options, |vertex| vertex.position());
                 for step in 0..30 {
                     let eye = [3.0 - 0.1 * step as f32, 0.2, random(3) as f32 * 0.3];

@@ -1,0 +1,4 @@
+//! `cargo +nightly fuzz run --features libfuzzer baked fuzz/corpus/baked fuzz/seeds/baked`
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| multires_fuzz::baked(data));
