@@ -1,4 +1,6 @@
 //! `cargo +nightly fuzz run --features libfuzzer packets fuzz/corpus/packets fuzz/seeds/packets`
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| multires_fuzz::packets(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    multires_fuzz::packets(data);
+});

@@ -1,4 +1,6 @@
 //! `cargo +nightly fuzz run --features libfuzzer requests fuzz/corpus/requests fuzz/seeds/requests`
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| multires_fuzz::requests(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    multires_fuzz::requests(data);
+});

@@ -30,8 +30,8 @@ use multires::view::{ObjectView, look_at};
 
 mod mend;
 
-/// A decoder by its name.
-pub type Target = (&'static str, fn(&[u8]));
+/// A decoder by its name. Returns whether some of the data was sound.
+pub type Target = (&'static str, fn(&[u8]) -> bool);
 
 /// All targets.
 pub const TARGETS: [Target; 6] = [
@@ -72,28 +72,29 @@ fn check(lod: &dyn Lod, vertices: usize) {
 }
 
 /// Decodes a baked file of any structure, and draws what opens.
-pub fn baked(data: &[u8]) {
+pub fn baked(data: &[u8]) -> bool {
     let (mends, mut bytes) = split(data);
     if mends {
         mend::sections(&mut bytes);
     }
-    let Ok(model) = open_model::<()>(Arc::new(bytes), OpenOptions::default()) else { return };
-    let values = Values::none(model.vertex_count());
-    let Ok(mut lod) = model.instance(&values, &LodOptions::default()) else { return };
+    let Ok(model) = open_model(Arc::new(bytes), OpenOptions::default()) else { return false };
+    let values = Values::from(model.vertices().positions().to_vec()).with_blending();
+    let Ok(mut lod) = model.instance(&values, &LodOptions::default()) else { return false };
     for view in views() {
         lod.adapt(&[view], 1.0);
     }
     lod.to_mesh();
+    true
 }
 
 /// Decodes a store and all of its pages, and flies an instance.
-pub fn store(data: &[u8]) {
+pub fn store(data: &[u8]) -> bool {
     let (mends, mut bytes) = split(data);
     if mends {
         mend::sections_in_a_row(&mut bytes);
     }
     let mut file = Cursor::new(bytes);
-    let Ok(store) = Store::open(&mut file) else { return };
+    let Ok(store) = Store::open(&mut file) else { return false };
     let mut lod = store.instance(1 << 20, &LodOptions::default(), |vertex| vertex.position());
     for view in views() {
         for _ in 0..8 {
@@ -110,23 +111,26 @@ pub fn store(data: &[u8]) {
     lod.to_mesh();
     lod.adapt(&[], 0.0);
     check(&lod, lod.values().len());
+    lod.pages() > 0
 }
 
 /// Gives messages to a client, one after the other.
-pub fn packets(data: &[u8]) {
+pub fn packets(data: &[u8]) -> bool {
     let (mends, bytes) = split(data);
     let options = ClientOptions::default().with_most(1 << 16);
     let mut client = Client::new(options, |vertex: multires::stream::StreamVertex<'_>| vertex.position());
     client.adapt(&views()[..1], 0.0);
+    let mut sound = false;
     for mut message in mend::messages(&bytes) {
         if mends {
             mend::message(&mut message);
         }
-        let _ = client.receive(&message);
+        sound |= client.receive(&message).is_ok();
         check(&client, client.values().len());
         client.request();
     }
     client.to_mesh();
+    sound
 }
 
 /// The server that [`requests`] are sent to.
@@ -136,23 +140,25 @@ static SERVER: LazyLock<Server> = LazyLock::new(|| {
 });
 
 /// Gives messages to a session, one after the other, and takes its packets.
-pub fn requests(data: &[u8]) {
+pub fn requests(data: &[u8]) -> bool {
     let (mends, bytes) = split(data);
     let mut session = SERVER.session();
+    let mut sound = false;
     for mut message in mend::messages(&bytes) {
         if mends {
             mend::message(&mut message);
         }
-        let _ = session.receive(&message);
+        sound |= session.receive(&message).is_ok();
         for _ in 0..4 {
             let Some(packet) = session.packet(1_000) else { break };
             assert!(packet.len() < 1 << 16);
         }
     }
+    sound
 }
 
 /// Decodes a file of which every beginning is a mesh.
-pub fn prefix(data: &[u8]) {
+pub fn prefix(data: &[u8]) -> bool {
     let (mends, mut bytes) = split(data);
     if mends {
         let mended = mend::messages(&bytes).into_iter().map(|mut message| {
@@ -161,12 +167,12 @@ pub fn prefix(data: &[u8]) {
         });
         bytes = mended.collect::<Vec<_>>().concat();
     }
-    let _ = read_prefix(&bytes);
+    read_prefix(&bytes).is_ok()
 }
 
 /// Decodes a mesh.
-pub fn meshes(data: &[u8]) {
-    let Some((format, bytes)) = data.get(1..).and_then(<[u8]>::split_first) else { return };
+pub fn meshes(data: &[u8]) -> bool {
+    let Some((format, bytes)) = data.get(1..).and_then(<[u8]>::split_first) else { return false };
     let formats = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Glb, Format::Gltf];
-    let _ = read_bytes(formats[usize::from(*format) % formats.len()], bytes);
+    read_bytes(formats[usize::from(*format) % formats.len()], bytes).is_ok()
 }

@@ -98,6 +98,67 @@ fn every_packet_may_be_dropped_doubled_swapped_cut_or_changed() {
     }
 }
 
+/// A flight of 300 frames in which every eighth packet suffers the same when it is sent first; in eight flights it is each.
+#[test]
+fn every_packet_of_a_long_flight() {
+    const APART: u32 = 8;
+    let model = VertexHierarchy::bake(&shapes::rock(4_000, 1)).unwrap();
+    let server = Server::new(&model, &StreamOptions::default()).unwrap();
+    let faults = [Fault::Dropped, Fault::Doubled, Fault::Swapped, Fault::Cut, Fault::Changed];
+    let mut faulty = 0;
+    for (fault, turn) in faults.into_iter().flat_map(|fault| (0..APART).map(move |turn| (fault, turn))) {
+        let (mut session, mut client) = (server.session(), client(ClientOptions::default()));
+        // Packets before this number went bad; of the last, its number and its frame.
+        let (mut suffered, mut missing) = (0, None);
+        for frame in 0..300 {
+            let angle = frame as f32 * 0.05;
+            let distance = 1.6 + 0.5 * (frame as f32 * 0.03).cos();
+            client.adapt(&[view([distance * angle.sin(), 0.3, distance * angle.cos()], 2.0)], 0.0);
+            client.ask_again();
+            session.receive(&client.request()).unwrap();
+            let mut packets: Vec<Vec<u8>> = Vec::new();
+            while let (true, Some(packet)) = (packets.len() < 4, session.packet(300)) {
+                packets.push(packet);
+            }
+            let number = |packet: &[u8]| u32::from_le_bytes(packet[12..16].try_into().unwrap());
+            if let Some((lost, since)) = missing.take() {
+                assert_eq!(frame, since + 1);
+                assert!(
+                    packets.iter().any(|packet| number(packet) == lost),
+                    "{fault:?}: {lost} does not come again"
+                );
+            }
+            let mut line = packets.clone();
+            let of_turn = |packet: &Vec<u8>| number(packet) % APART == turn && number(packet) >= suffered;
+            if let Some(at) = packets.iter().position(of_turn) {
+                suffered = number(&packets[at]) + 1;
+                faulty += 1;
+                let half = packets[at].len() / 2;
+                match fault {
+                    Fault::Dropped => line[at].clear(),
+                    Fault::Doubled => line[at].extend_from_slice(&packets[at]),
+                    Fault::Swapped => line.swap(at, (at + 1) % packets.len()),
+                    Fault::Cut => line[at].truncate(half),
+                    Fault::Changed => line[at][half] ^= 4,
+                }
+                if !matches!(fault, Fault::Doubled | Fault::Swapped) {
+                    missing = Some((number(&packets[at]), frame));
+                }
+            }
+            line.into_iter().for_each(|bytes| take(&mut client, bytes));
+        }
+        client.ask_again();
+        settle(&mut session, &mut client);
+        let values = server.model().values(|vertex| server.model().vertices().positions()[vertex]);
+        let mut local = server.model().instance(values, &LodOptions::default()).unwrap();
+        let angle = 299.0 * 0.05_f32;
+        let distance = 1.6 + 0.5 * (299.0 * 0.03_f32).cos();
+        local.adapt(&[view([distance * angle.sin(), 0.3, distance * angle.cos()], 2.0)], 0.0);
+        assert!(content(&client.to_mesh()) == content(&local.to_mesh()), "{fault:?} {turn}");
+    }
+    assert!(faulty > 5 * 300, "{faulty} packets went bad");
+}
+
 /// The frame after a loss draws what it would have drawn: the missing packets are sent again with the next request.
 #[test]
 fn a_loss_is_made_good_within_a_round_trip() {

@@ -120,8 +120,11 @@ fn fuzz(&(name, decode): &Target, from: u64, runs: u64) -> Outcome<()> {
     for path in &paths {
         seeds.push(std::fs::read(path)?);
     }
-    seeds.iter().for_each(|seed| decode(seed));
+    if let Some(at) = seeds.iter().position(|seed| !decode(seed)) {
+        return Err(format!("{name}: {} is not sound: write the seeds anew", paths[at].display()).into());
+    }
     let start = Instant::now();
+    let mut sound = 0;
     let (mut longest, mut largest) = ((Duration::ZERO, 0), (0, 0));
     for run in from..from + runs {
         let mut random = Random(run.wrapping_mul(0x2545_f491_4f6c_dd1d));
@@ -133,7 +136,7 @@ fn fuzz(&(name, decode): &Target, from: u64, runs: u64) -> Outcome<()> {
         let before = MEMORY.current_usage();
         MEMORY.reset_peak_usage();
         let begun = Instant::now();
-        decode(&data);
+        sound += u64::from(decode(&data));
         longest = longest.max((begun.elapsed(), run));
         let taken = MEMORY.peak_usage().saturating_sub(before);
         largest = largest.max((taken, run));
@@ -143,7 +146,7 @@ fn fuzz(&(name, decode): &Target, from: u64, runs: u64) -> Outcome<()> {
         }
     }
     println!(
-        "{name}: {} seeds, {runs} runs in {:.1} s; longest {:.1} ms (run {}), most memory {} bytes (run {})",
+        "{name}: {} seeds, {runs} runs in {:.1} s, {sound} of sound data; longest {:.1} ms (run {}), most memory {} bytes (run {})",
         seeds.len(),
         start.elapsed().as_secs_f64(),
         longest.0.as_secs_f64() * 1e3,
