@@ -168,8 +168,9 @@ impl Forest {
         for number in (collapse_forest.roots as usize..count).rev() {
             size[parent(number)] += size[number];
         }
+        let extent = mesh.bounds().unwrap_or_default();
         let mut roots: Vec<(u32, u32)> =
-            (0..collapse_forest.roots).map(|root| (morton(mesh, position(root as usize)), root)).collect();
+            (0..collapse_forest.roots).map(|root| (morton(extent, position(root as usize)), root)).collect();
         roots.sort_unstable();
 
         // Runs of leaves. Within a run, the leaves taken last are at the end.
@@ -215,9 +216,8 @@ impl Forest {
     }
 }
 
-/// Interleaves ten bits of each coordinate within the box.
-fn morton(mesh: &Mesh, position: [f32; 3]) -> u32 {
-    let Some([low, high]) = mesh.bounds() else { return 0 };
+/// Interleaves ten bits of each coordinate within a box.
+fn morton([low, high]: [[f32; 3]; 2], position: [f32; 3]) -> u32 {
     (0..3).fold(0, |code, axis| {
         let wide = f64::from(high[axis]) - f64::from(low[axis]);
         let along = if wide > 0.0 { (f64::from(position[axis]) - f64::from(low[axis])) / wide } else { 0.0 };
