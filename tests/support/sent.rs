@@ -87,6 +87,6 @@ pub fn upload(lod: &mut dyn Lod, buffers: &mut Vec<Vec<u8>>) {
     for group in 0..lod.groups() {
         let indices = lod.triangles(group).as_flattened().iter();
         let indices: Vec<u8> = indices.flat_map(|index| index.to_ne_bytes()).collect();
-        assert!(buffers.get(1 + group).is_none_or(|buffer| &buffer[..indices.len()] == indices));
+        assert!(buffers.get(1 + group).is_none_or(|buffer| buffer[..indices.len()] == indices));
     }
 }

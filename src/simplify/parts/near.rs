@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Points keep their place in the tree while they are merged: each point stands for the point it was merged into. The
-//! tree is built once, O(n log n). A search takes O(log n) expected.
+//! tree is built anew of the points that count once half of them are gone, O(n log n) in all. A search takes O(log n)
+//! expected.
 
 use glam::Vec3;
 
@@ -16,6 +17,9 @@ use crate::mesh::NONE;
 
 /// Points in a leaf, at most.
 const LEAF: usize = 16;
+
+/// Points of a tree worth building anew.
+const MANY: usize = 4 * LEAF;
 
 /// The points of a surface in a tree of boxes.
 #[derive(Debug, Clone)]
@@ -35,21 +39,40 @@ pub(crate) struct Near {
 
 impl Near {
     /// Builds the tree of the points of a surface of `count` points; `part` gives the part of each point.
-    pub fn new(mut points: Vec<(Vec3, u32)>, count: usize, part: impl Fn(u32) -> u32) -> Self {
-        let leaves = points.len().div_ceil(LEAF).next_power_of_two();
+    pub fn new(points: Vec<(Vec3, u32)>, count: usize, part: impl Fn(u32) -> u32) -> Self {
         let mut near = Self {
-            points: Vec::new(),
-            start: vec![0; leaves + 1],
+            points,
+            start: Vec::new(),
             leaf_of: vec![NONE; count],
-            boxes: vec![<Vec3 as Place>::EMPTY; 2 * leaves],
-            live: vec![0; 2 * leaves],
-            part: vec![NONE; 2 * leaves],
+            boxes: Vec::new(),
+            live: Vec::new(),
+            part: Vec::new(),
             stack: Vec::new(),
         };
-        near.split(&mut points, 0, 1, &part);
-        near.start[leaves] = points.len() as u32;
-        near.points = points;
+        near.build(&part);
         near
+    }
+
+    /// Builds the tree of all points in `points`.
+    fn build(&mut self, part: &impl Fn(u32) -> u32) {
+        let mut points = std::mem::take(&mut self.points);
+        let leaves = points.len().div_ceil(LEAF).next_power_of_two();
+        self.start = vec![0; leaves + 1];
+        self.boxes = vec![<Vec3 as Place>::EMPTY; 2 * leaves];
+        self.live = vec![0; 2 * leaves];
+        self.part = vec![NONE; 2 * leaves];
+        self.split(&mut points, 0, 1, part);
+        self.start[leaves] = points.len() as u32;
+        self.points = points;
+    }
+
+    /// Builds the tree anew if half of its points are gone: searches would wander about in boxes of points that do not count.
+    fn tidy(&mut self, part: &impl Fn(u32) -> u32) {
+        if self.points.len() > MANY && 2 * (self.live[1] as usize) < self.points.len() {
+            let Self { points, leaf_of, .. } = self;
+            points.retain(|&(_, point)| leaf_of[point as usize] != NONE);
+            self.build(part);
+        }
     }
 
     /// Arranges the points of a node, which start at index `first` of the tree, and fills the node.
@@ -114,6 +137,7 @@ impl Near {
         found: &mut Vec<(f32, u32)>,
     ) {
         found.clear();
+        self.tidy(&part);
         let leaves = self.start.len() - 1;
         let limit = reach * reach;
         let distance = |[low, high]: [Vec3; 2]| (low - at).max(at - high).max(Vec3::ZERO).length_squared();
