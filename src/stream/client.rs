@@ -24,7 +24,8 @@ use super::values::DrawnValues;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ClientOptions {
-    /// Share of all splits kept after they went, so that they come back without their content; 0 to 1. Default 0.05.
+    /// Share of all splits kept after they went, so that they come back without their content; 0 to 1. Default 0.05. The server
+    /// may grant less ([`Session::set_most_cache_share`](super::Session::set_most_cache_share)).
     pub cache_share: f32,
     /// Whether splits that no view asks for any more stay, while [`LodOptions::triangles`] does not limit them. Default false.
     pub keeps: bool,

@@ -18,6 +18,8 @@ use super::tables::{Tables, record_of};
 
 /// Bytes of packets that may be on their way before the client acknowledges one. Default of [`Session::set_window`].
 const WINDOW: usize = 1 << 16;
+/// Default of [`Session::set_most_cache_share`].
+const MOST_CACHE_SHARE: f32 = 0.25;
 /// Bytes of content that a packet has room for, whatever the budget.
 const LEAST_BUDGET: usize = 64;
 /// Most bytes of content.
@@ -65,6 +67,7 @@ pub struct Session {
     again: Option<usize>,
     window: usize,
     cache_share: f32,
+    most_cache_share: f32,
     /// Bytes that a split of weight 1 takes, about.
     bytes_a_split: f32,
     record: Record,
@@ -107,6 +110,7 @@ impl Session {
             again: None,
             window: WINDOW,
             cache_share: 0.0,
+            most_cache_share: MOST_CACHE_SHARE,
             bytes_a_split: 0.0,
             record: Record::default(),
             counts: SessionCounts::default(),
@@ -136,6 +140,12 @@ impl Session {
     /// again if they are lost. A packet alone may be larger.
     pub fn set_window(&mut self, bytes: usize) {
         self.window = bytes;
+    }
+
+    /// Sets the largest share of all splits that the cache has places for, whatever the client asks; default 0.25. A place takes
+    /// 4 bytes. Heeded where a stream begins; NaN counts as 0.
+    pub fn set_most_cache_share(&mut self, share: f32) {
+        self.most_cache_share = if share > 0.0 { share.min(1.0) } else { 0.0 };
     }
 
     /// Takes in a request of the client. A client that has another stream, of this server or of another, begins anew. Damaged
@@ -196,7 +206,8 @@ impl Session {
         let mut packet = packet::start(Kind::Packet, self.stream, self.next);
         let room = budget.saturating_sub(HEAD).clamp(LEAST_BUDGET, MOST_CONTENT);
         if self.next == 0 {
-            let places = (f64::from(self.cache_share) * self.shared.of().split_count() as f64).ceil() as u32;
+            let share = self.cache_share.min(self.most_cache_share);
+            let places = (f64::from(share) * self.shared.of().split_count() as f64).ceil() as u32;
             let header = super::header::Header { places, ..self.shared.header.clone() };
             self.cache = Cache::new(places as usize);
             header.write(&mut packet);

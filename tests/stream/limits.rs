@@ -172,3 +172,26 @@ fn options_out_of_range_are_named() {
     session.receive(&small.request()).unwrap();
     assert!(matches!(small.receive(&session.packet(1_000).unwrap()), Err(StreamError::TooLarge { .. })));
 }
+
+/// A client that asks for a cache of everything gets what its server grants, and draws the same.
+#[test]
+fn the_server_limits_the_cache() {
+    let server = server(4_000);
+    let memory = |asked: f32, most: f32| {
+        let (mut session, mut client) =
+            (server.session(), client(ClientOptions::default().with_cache_share(asked)));
+        session.set_most_cache_share(most);
+        for step in 0..12 {
+            let angle = step as f32;
+            client.adapt(&[view([2.0 * angle.cos(), 0.3, 2.0 * angle.sin()], 0.5)], 0.0);
+            exchange(&mut session, &mut client, 1_000, |_, _| {});
+        }
+        (session.memory(), session.counts().cached, content(&client.to_mesh()))
+    };
+    let [none, little, granted, all] =
+        [(1.0, 0.0), (0.05, 1.0), (1.0, 0.05), (1.0, 1.0)].map(|(a, b)| memory(a, b));
+    assert_eq!(none.1, 0);
+    assert!(little.0 == granted.0 && little.1 == granted.1, "{} {}", little.0, granted.0);
+    assert!(all.0 > granted.0 && all.1 > granted.1 && granted.1 > 0);
+    assert!(none.2 == all.2 && none.2 == granted.2);
+}
