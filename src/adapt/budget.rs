@@ -15,11 +15,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::view::{Answer, Criterion, Motion};
+use crate::view::{Answer, Criterion, Factors, Motion};
 
-use super::closure::may_come;
 use super::cut::{Cut, CutReport};
-use super::front::ASKED;
+use super::front::Front;
 use super::refinements::Refinements;
 use super::urgency::Key;
 
@@ -43,6 +42,11 @@ impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Coarsened<'_, C> {
         } else {
             self.criterion.test(bounds)
         }
+    }
+
+    fn test_each(&self, bounds: &[B], _: Factors, answers: &mut [Answer]) {
+        let factors = Factors { budget: self.factor.max(1.0), ..Factors::NONE };
+        self.criterion.test_each(bounds, factors, answers);
     }
 
     fn motion(&self, _: &Self) -> Motion {
@@ -88,7 +92,7 @@ impl Budget {
     /// remove more triangles than there are. `apply` is called with each refinement which comes or goes.
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
-        cut: &mut Cut,
+        cut: &mut Cut<R::Bounds>,
         of: &R,
         criterion: &C,
         motion: Motion,
@@ -113,7 +117,7 @@ impl Budget {
         let mut settled = self.factor.is_finite();
         if settled {
             let wanted = Coarsened { criterion, factor: self.factor };
-            let (all, asked) = cut.update_while(of, &wanted, motion, |_, r, comes| {
+            let (all, asked) = cut.update_while(of, &wanted, motion, &mut |_: &[u8], r, comes| {
                 count(&mut self.triangles, r, comes);
                 !comes || self.triangles <= cap
             });
@@ -128,7 +132,7 @@ impl Budget {
                 // Puts all refinements to sleep with the new factor. Refinements as urgent as the first excluded
                 // refinement go too.
                 let wanted = Coarsened { criterion, factor: self.factor };
-                let (_, asked) = cut.update_while(of, &wanted, Motion::Other, |_, r, comes| {
+                let (_, asked) = cut.update_while(of, &wanted, Motion::Other, &mut |_: &[u8], r, comes| {
                     count(&mut self.triangles, r, comes);
                     true
                 });
@@ -136,12 +140,13 @@ impl Budget {
             }
         }
         report.tests = tests;
+        [report.blocks, report.asleep] = cut.front.blocks;
         report
     }
 
     fn balance<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
-        cut: &mut Cut,
+        cut: &mut Cut<R::Bounds>,
         of: &R,
         criterion: &C,
         count: &mut impl FnMut(&mut usize, u32, bool),
@@ -157,35 +162,26 @@ impl Budget {
         };
         rim.clear();
         fringe.clear();
-        front.candidates(of);
-        for at in 0..front.work.len() {
-            let r = front.work[at];
-            if front.is_due(of, r) {
-                if front.state[r as usize] & ASKED != 0 {
-                    rim.push(Reverse(key(r)));
-                } else if may_come(of, &front.state, r) {
-                    fringe.push(key(r));
-                }
+        for (r, asked) in front.all(of) {
+            match asked {
+                true => rim.push(Reverse(key(r))),
+                false => fringe.push(key(r)),
             }
         }
-        front.forget();
+        if R::PARTIAL {
+            fringe.retain(|top| front.may_come(of, top.refinement));
+        }
         let factor = loop {
-            let is_asked = |front: &super::front::Front, r: u32| front.state[r as usize] & ASKED != 0;
-            while rim.peek().is_some_and(|Reverse(top)| {
-                !is_asked(front, top.refinement) || !front.is_due(of, top.refinement)
-            }) {
+            while rim.peek().is_some_and(|Reverse(top)| front.asked_at(top.refinement) != Some(true)) {
                 rim.pop();
             }
-            while fringe
-                .peek()
-                .is_some_and(|top| is_asked(front, top.refinement) || !front.is_due(of, top.refinement))
-            {
+            while fringe.peek().is_some_and(|top| front.asked_at(top.refinement) != Some(false)) {
                 fringe.pop();
             }
             let least = rim.peek().map(|top| top.0);
             let most = fringe.peek().copied().filter(|top| top.urgency > 1.0);
-            let mut toggle = |front: &mut super::front::Front, triangles: &mut usize, r: u32, asked: bool| {
-                front.state[r as usize] ^= ASKED;
+            let mut toggle = |front: &mut Front<R::Bounds>, triangles: &mut usize, r: u32, asked: bool| {
+                front.force(of, r);
                 closure.change(of, &mut front.state, r, asked, &mut |_, r, comes| count(triangles, r, comes));
             };
             let goes = match (least, most) {
@@ -202,7 +198,7 @@ impl Budget {
                         fringe.pop();
                         rim.push(Reverse(most));
                         for child in of.children(most.refinement) {
-                            if front.is_due(of, child) && may_come(of, &front.state, child) {
+                            if front.asked_at(child) == Some(false) && front.may_come(of, child) {
                                 fringe.push(key(child));
                             }
                         }
@@ -219,7 +215,7 @@ impl Budget {
             toggle(front, triangles, goes.refinement, false);
             fringe.push(goes);
             for parent in of.parents(goes.refinement) {
-                if front.is_due(of, parent) {
+                if front.asked_at(parent) == Some(true) {
                     rim.push(Reverse(key(parent)));
                 }
             }

@@ -101,6 +101,10 @@ pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, state: &[u8], r: u32) ->
     if !R::PARTIAL {
         return true;
     }
+    let needs = || of.parents(r).chain(of.dependencies(r));
+    if of.available(r) && needs().all(|n| state[n as usize] & DONE != 0) {
+        return true;
+    }
     let (mut stack, mut seen) = (vec![(r, false)], BTreeMap::new());
     while let Some((r, all_seen)) = stack.pop() {
         // True for refinements of which all needs were looked at.

@@ -1,9 +1,9 @@
 //! A cut through a structure's refinements: the smallest closed set containing all refinements asked for by a view.
 
-use crate::view::{Criterion, Motion};
+use crate::view::{Bounds, Criterion, Motion};
 
 use super::closure::Closure;
-use super::front::{ASKED, DONE, Front};
+use super::front::{ASKED, Changes, DONE, Front};
 use super::refinements::Refinements;
 
 /// Counts from one update of a cut.
@@ -16,6 +16,10 @@ pub struct CutReport {
     pub splits: usize,
     /// Refinements removed from the mesh.
     pub collapses: usize,
+    /// Blocks of 64 refinements that may come or go.
+    pub blocks: usize,
+    /// Blocks asleep: none of their answers can have changed, and none was looked at.
+    pub asleep: usize,
 }
 
 /// A set of refinements: the refinements in the mesh.
@@ -23,14 +27,15 @@ pub struct CutReport {
 /// After every call of [`Lod::adapt`](crate::lod::Lod::adapt) it is the smallest set containing every refinement needed by the criterion and closed under
 /// parents and dependencies. It depends on the criterion alone, not on the previous cut.
 #[derive(Debug, Clone)]
-pub struct Cut {
-    pub(super) front: Front,
+pub struct Cut<B = Bounds> {
+    pub(super) front: Front<B>,
     pub(super) closure: Closure,
 }
 
-impl Cut {
+impl<B: Copy> Cut<B> {
     /// Creates the coarsest cut, without refinements. `size` is the length of the object, object units. `dependencies`
-    /// says whether any refinement has dependencies besides its parents. Takes 5 bytes a refinement, 9 with dependencies.
+    /// says whether any refinement has dependencies besides its parents. Takes 5 bytes a refinement, 9 with dependencies, and 48 for each that may come or
+    /// go.
     pub(crate) fn new(count: usize, size: f64, dependencies: bool) -> Self {
         Self { front: Front::new(count, size), closure: Closure::new(count, dependencies) }
     }
@@ -52,42 +57,31 @@ impl Cut {
     /// if it goes. The set is closed after each call.
     ///
     /// Cost: one test for each refinement at the cut with an answer due, plus the refinements which come and go.
-    pub(crate) fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    pub(crate) fn update<R: Refinements<Bounds = B> + ?Sized, C: Criterion<B> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
         motion: Motion,
-        mut apply: impl FnMut(&[u8], u32, bool),
+        apply: &mut impl Apply,
     ) -> CutReport {
-        let (mut splits, mut collapses) = (0, 0);
-        let (_, tests) = self.update_while(of, criterion, motion, |state, r, comes| {
-            if comes {
-                splits += 1;
-            } else {
-                collapses += 1;
-            }
-            apply(state, r, comes);
-            true
-        });
-        CutReport { tests, splits, collapses }
+        let mut counted = Counted { apply, splits: 0, collapses: 0 };
+        let (_, tests) = self.update_while(of, criterion, motion, &mut counted);
+        let [blocks, asleep] = self.front.blocks;
+        CutReport { tests, splits: counted.splits, collapses: counted.collapses, blocks, asleep }
     }
 
     /// Moves the cut as [`Cut::update`] does, until `apply` returns `false`. If stopped, the cut is closed, but need not
     /// be the cut of the criterion. Returns whether the update was completed, and the number of tests.
-    pub(super) fn update_while<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    pub(super) fn update_while<R: Refinements<Bounds = B> + ?Sized, C: Criterion<B> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
         motion: Motion,
-        mut apply: impl FnMut(&[u8], u32, bool) -> bool,
+        apply: &mut impl Apply,
     ) -> (bool, usize) {
         let Self { front, closure } = self;
         let before = front.tests;
-        let all = front.update(of, criterion, motion, |state, r, asked| {
-            let mut go_on = true;
-            closure.change(of, state, r, asked, &mut |state, r, comes| go_on &= apply(state, r, comes));
-            go_on
-        });
+        let all = front.update(of, criterion, motion, &mut Closed { of, closure, apply });
         (all, (front.tests - before) as usize)
     }
 
@@ -103,7 +97,67 @@ impl Cut {
     }
 }
 
-/// Whether a refinement is in the mesh, by the flags passed to the `apply` of [`Cut::update`].
+/// What follows the changes of a cut.
+pub(crate) trait Apply {
+    /// Called with some refinements that are likely to come (`true`) or go next.
+    fn look_ahead(&mut self, changes: &[(u32, bool)]) {
+        let _ = changes;
+    }
+
+    /// Called with each refinement which comes (`true`) or goes, and the flags of all: the set is closed after each call. If it
+    /// returns `false`, the update stops.
+    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool;
+}
+
+impl<F: FnMut(&[u8], u32, bool) -> bool> Apply for F {
+    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
+        self(state, refinement, comes)
+    }
+}
+
+/// Counts what comes and goes.
+struct Counted<'a, A> {
+    apply: &'a mut A,
+    splits: usize,
+    collapses: usize,
+}
+
+impl<A: Apply> Apply for Counted<'_, A> {
+    fn look_ahead(&mut self, changes: &[(u32, bool)]) {
+        self.apply.look_ahead(changes);
+    }
+
+    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
+        if comes {
+            self.splits += 1;
+        } else {
+            self.collapses += 1;
+        }
+        self.apply.apply(state, refinement, comes)
+    }
+}
+
+/// Closes the set asked for.
+struct Closed<'a, R: ?Sized, A> {
+    of: &'a R,
+    closure: &'a mut Closure,
+    apply: &'a mut A,
+}
+
+impl<R: Refinements + ?Sized, A: Apply> Changes for Closed<'_, R, A> {
+    fn look_ahead(&mut self, changes: &[(u32, bool)]) {
+        self.apply.look_ahead(changes);
+    }
+
+    fn change(&mut self, state: &mut [u8], r: u32, asked: bool) -> bool {
+        let Self { of, closure, apply } = self;
+        let mut go_on = true;
+        closure.change(*of, state, r, asked, &mut |state, r, comes| go_on &= apply.apply(state, r, comes));
+        go_on
+    }
+}
+
+/// Whether a refinement is in the mesh, by the flags passed to [`Apply::apply`].
 #[inline]
 pub(crate) fn is_done(state: &[u8], refinement: u32) -> bool {
     state[refinement as usize] & DONE != 0

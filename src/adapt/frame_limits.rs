@@ -20,7 +20,7 @@ pub(crate) struct FrameLimits {
 
 impl FrameLimits {
     /// Starts with the cut shown, in `triangles` triangles. `moves`: whether vertices may move.
-    pub fn new<R: Refinements + ?Sized>(of: &R, cut: &Cut, triangles: usize, moves: bool) -> Self {
+    pub fn new<R: Refinements + ?Sized>(of: &R, cut: &Cut<R::Bounds>, triangles: usize, moves: bool) -> Self {
         let transitions = Transitions::new(of, |r| cut.holds(r), triangles, moves);
         Self { operations: usize::MAX, triangles: usize::MAX, budget: None, transitions }
     }
@@ -58,7 +58,7 @@ impl FrameLimits {
     /// triangles added to the mesh at the cut, or removed from it, by this step. Without a budget it is not called.
     pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
         &mut self,
-        (of, cut): (&R, &mut Cut),
+        (of, cut): (&R, &mut Cut<R::Bounds>),
         sink: &mut impl RefinementSink,
         criterion: &C,
         motion: Motion,
@@ -71,7 +71,10 @@ impl FrameLimits {
             Some(budget) => {
                 budget.update(cut, of, criterion, motion, cost, |r, comes| transitions.want(r, comes))
             }
-            None => cut.update(of, criterion, motion, |_, r, comes| transitions.want(r, comes)),
+            None => cut.update(of, criterion, motion, &mut |_: &[u8], r, comes| {
+                transitions.want(r, comes);
+                true
+            }),
         };
         let smooth = progress < 1.0;
         let limits = Limits { operations: *operations, triangles: *triangles, smooth };

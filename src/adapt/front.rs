@@ -8,243 +8,368 @@
 //!        .   .   .   .    the fringe: not asked for, but all that it needs is     -> may come
 //! ```
 //!
-//! Each answer has a slack: how far the eye may move and turn before the answer can change. Until then the refinement
-//! sleeps. There is an odometer for each of several *arms*. It advances by the larger of the distance moved by the eye
-//! and the arc swept by the end of the arm. A refinement sleeps by the odometer with the longest sleep, if the motion
-//! continues as in the last frame.
+//! Rim and fringe are the front. Its bounds and answers lie in dense arrays, so a frame reads memory in order: first how long
+//! answers hold (`sleepers.rs`), then the bounds of those with answers due.
 //!
 //! Tests are monotone in nested bounds, so testing rim and fringe finds all refinements needed. An answer depends on the
 //! view alone, so the set does not depend on its previous state.
 
-use crate::view::{Answer, Criterion, Motion};
+use std::hint::black_box;
+
+use crate::mesh::NONE;
+use crate::view::{Answer, Criterion, Factors, Motion};
 
 use super::closure::may_come;
 use super::refinements::Refinements;
-use super::wheel::Wheel;
+use super::sleepers::Sleepers;
 
 /// Asked for by the view.
 pub(super) const ASKED: u8 = 1;
-/// The last answer still holds.
-const ASLEEP: u8 = 2;
 /// In the mesh: asked for, or needed by a refinement in the mesh.
-pub(super) const DONE: u8 = 4;
+pub(super) const DONE: u8 = 2;
+/// Not at the front until others arrive.
+const WAITS: u8 = 4;
 
-/// Known to be on the rim or the fringe, so most woken sleepers need not look at their neighbours.
-const AT_FRONT: u8 = 8;
+/// Tests at a time.
+const BATCH: usize = 64;
 
-/// Number of arms, each half as long as the previous arm. The longest arm is the object's size times `2^LONGEST`.
-const ARMS: usize = 16;
-const LONGEST: i32 = 3;
-/// About `1 / KEPT` of every slack is kept for changes in the direction of motion.
-const KEPT: f64 = 16.0;
+/// Changes looked at ahead.
+const AHEAD: usize = 32;
 
-/// Shrinks slacks by more than the rounding error of sums.
-const CAUTION: f64 = 1.0 - 1e-9;
+/// What follows the changes of a set.
+pub(super) trait Changes {
+    /// Called with some changes that are likely to come next.
+    fn look_ahead(&mut self, changes: &[(u32, bool)]);
+    /// Called with each change, in an order which keeps the set closed. If it returns `false`, the update stops.
+    fn change(&mut self, state: &mut [u8], r: u32, asked: bool) -> bool;
+}
 
-/// Shrinks a slack for waiting. Returns 0 if the slack is NaN, as when both of its parts are 0.
-fn caution(slack: f64) -> f64 {
-    if slack > 0.0 { slack * CAUTION } else { 0.0 }
+/// A refinement at the front.
+#[derive(Debug, Clone, Copy)]
+struct Node<B> {
+    refinement: u32,
+    asked: bool,
+    bounds: B,
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Front {
+pub(super) struct Front<B> {
     /// Flags of every refinement.
     pub state: Vec<u8>,
-    next: Vec<u32>,
-    /// Wheel of the sleepers woken by moving alone, then, by arm, wheels of the sleepers woken by turning too.
-    wheels: [Wheel; 1 + ARMS],
-    /// Length of the arm of every wheel.
-    arms: [f64; 1 + ARMS],
-    /// Distance moved for each radian turned, in the last motion.
-    course: f64,
-    pub work: Vec<u32>,
-    /// Refinements waiting for themselves, or for others they need, to arrive.
+    /// Per refinement, its place in the front, or `NONE`.
+    place: Vec<u32>,
+    /// Per place, the refinement and how long its answer holds.
+    nodes: Vec<Node<B>>,
+    sleepers: Sleepers,
+    /// Whether the roots have come to the front.
+    started: bool,
+    /// Places with answers due; refinements that are new at the front; and refinements with other answers than before.
+    due: Vec<u32>,
+    new: Vec<u32>,
+    work: Vec<(u32, bool)>,
+    /// Refinements looked at ahead.
+    near: Vec<u32>,
+    /// A batch of tests.
+    bounds: Vec<B>,
+    /// Refinements waiting for themselves, or for others they need, to arrive; and whether any arrived.
     waiting: Vec<u32>,
+    arrived: bool,
     /// Tests so far.
     pub tests: u64,
+    /// Blocks of the front in the last update, and those of them that slept.
+    pub blocks: [usize; 2],
 }
 
-impl Front {
+impl<B: Copy> Front<B> {
     /// Creates an empty set without answers. `size` is the object's size, object units.
     pub fn new(count: usize, size: f64) -> Self {
-        // Keeps the tick a normal number.
-        let tick = if size > 1e-290 { size * 1e-6 } else { 1.0 };
         Self {
             state: vec![0; count],
-            next: vec![0; count],
-            wheels: std::array::from_fn(|_| Wheel::new(tick)),
-            arms: std::array::from_fn(|wheel| {
-                if wheel == 0 { 0.0 } else { size.max(tick) * 2_f64.powi(LONGEST + 1 - wheel as i32) }
-            }),
-            course: size,
+            place: vec![NONE; count],
+            nodes: Vec::new(),
+            sleepers: Sleepers::new(size),
+            started: false,
+            due: Vec::new(),
+            new: Vec::new(),
             work: Vec::new(),
+            near: Vec::new(),
+            bounds: Vec::new(),
             waiting: Vec::new(),
+            arrived: false,
             tests: 0,
+            blocks: [0; 2],
         }
     }
 
-    /// Moves the set to the refinements asked for now. `changed` is called with each change, in an order which keeps the
-    /// set closed. If it returns `false`, the update stops, all answers are forgotten, and the set is closed but not
-    /// complete. Returns whether the update was completed.
-    pub fn update<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    /// Moves the set to the refinements asked for now. If `changes` stops the update, all answers are forgotten, and the set is
+    /// closed but not complete. Returns whether the update was completed.
+    pub fn update<R: Refinements<Bounds = B> + ?Sized, C: Criterion<B> + ?Sized>(
         &mut self,
         of: &R,
         criterion: &C,
         motion: Motion,
-        mut changed: impl FnMut(&mut [u8], u32, bool) -> bool,
+        changes: &mut impl Changes,
     ) -> bool {
-        self.wake(of, motion);
-        while let Some(r) = self.work.pop() {
-            let state = self.state[r as usize];
-            if state & ASLEEP != 0 {
-                continue;
+        self.new.clear();
+        let asleep = self.sleepers.advance(motion, &mut self.due);
+        self.blocks = [self.sleepers.blocks(), asleep];
+        self.arrive(of, motion == Motion::Other);
+        if motion == Motion::Other {
+            self.renew(of);
+        }
+        self.test_due(criterion);
+        while !self.work.is_empty() {
+            // By number: what lies close together is made close together.
+            let mut work = std::mem::take(&mut self.work);
+            work.sort_unstable();
+            let all = self.make(of, &work, changes);
+            work.clear();
+            self.work = work;
+            if !all {
+                self.forget();
+                return false;
             }
-            if R::PARTIAL && !of.available(r) {
-                of.miss(r, false);
-                self.wait(r);
-                continue;
-            }
-            if state & AT_FRONT == 0 && !self.is_due(of, r) {
-                continue;
-            }
-            let asked = state & ASKED != 0;
-            self.tests += 1;
-            self.state[r as usize] |= AT_FRONT;
-            let answer = criterion.test(&of.bounds(r));
-            if R::PARTIAL && answer.refine && !asked && !may_come(of, &self.state, r) {
-                self.wait(r);
-                continue;
-            }
-            if answer.refine != asked {
-                self.state[r as usize] ^= ASKED;
-                if !changed(&mut self.state, r, answer.refine) {
-                    self.forget();
+            self.test_due(criterion);
+        }
+        true
+    }
+
+    /// Makes changes, until one of them stops the update. Returns whether none did.
+    fn make<R: Refinements<Bounds = B> + ?Sized>(
+        &mut self,
+        of: &R,
+        work: &[(u32, bool)],
+        changes: &mut impl Changes,
+    ) -> bool {
+        for next in work.chunks(AHEAD) {
+            self.look_ahead(of, next);
+            changes.look_ahead(next);
+            for &(r, asked) in next {
+                // Refinements that left the front since.
+                if self.asked_at(r) != Some(!asked) {
+                    continue;
+                }
+                if asked && !self.may_come(of, r) {
+                    self.wait(r);
+                    continue;
+                }
+                self.toggle(of, r);
+                if !changes.change(&mut self.state, r, asked) {
                     return false;
                 }
-            }
-            self.sleep(r, answer);
-            if answer.refine == asked {
-                continue;
-            }
-            // The rim has moved. Refinements on one side leave the front, refinements on the other may have come to it.
-            let Self { state, work, .. } = self;
-            let mut leave = |other: u32| state[other as usize] &= !AT_FRONT;
-            if asked {
-                of.children(r).for_each(&mut leave);
-                work.extend(of.parents(r).filter(|&parent| state[parent as usize] & ASLEEP == 0));
-            } else {
-                of.parents(r).for_each(&mut leave);
-                work.extend(of.children(r).filter(|&child| state[child as usize] & ASLEEP == 0));
             }
         }
         true
     }
 
-    /// Whether a refinement is on the rim or the fringe.
-    #[inline]
-    pub fn is_due<R: Refinements + ?Sized>(&self, of: &R, r: u32) -> bool {
-        if self.state[r as usize] & ASKED != 0 {
-            !of.children(r).any(|child| self.state[child as usize] & ASKED != 0)
-        } else if R::PARTIAL && !of.available(r) {
+    /// Fetches what some changes are going to read: reads that miss the cache are waited for once, not one after the other.
+    fn look_ahead<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, changes: &[(u32, bool)]) {
+        if R::PARTIAL {
+            return;
+        }
+        let Self { near, place, state, .. } = self;
+        near.clear();
+        for &(r, asked) in changes {
+            if asked {
+                near.extend(of.children(r));
+            } else {
+                near.extend(of.parents(r));
+            }
+        }
+        let mut sum = 0;
+        for &n in near.iter() {
+            sum ^= place[n as usize];
+            black_box(of.bounds(n));
+            for other in of.parents(n).chain(of.children(n)) {
+                sum ^= u32::from(state[other as usize]);
+            }
+        }
+        black_box(sum);
+    }
+
+    /// Asks about the places due and about what is new at the front, and notes other answers than before.
+    fn test_due<C: Criterion<B> + ?Sized>(&mut self, criterion: &C) {
+        let Self { nodes, place, sleepers, due, new, bounds, work, .. } = self;
+        let mut answers = [Answer::NEVER; BATCH];
+        // Some may have left again.
+        due.extend(new.drain(..).map(|r| place[r as usize]).filter(|&place| place != NONE));
+        for due in due.chunks(BATCH) {
+            bounds.clear();
+            bounds.extend(due.iter().map(|&place| nodes[place as usize].bounds));
+            let answers = &mut answers[..due.len()];
+            criterion.test_each(bounds, Factors::NONE, answers);
+            for (&place, answer) in due.iter().zip(answers) {
+                sleepers.rest(place as usize, *answer);
+                let node = &nodes[place as usize];
+                if answer.refine != node.asked {
+                    work.push((node.refinement, answer.refine));
+                }
+            }
+        }
+        self.tests += due.len() as u64;
+        due.clear();
+    }
+
+    /// Whether all that a refinement needs has arrived. Notes what has not.
+    pub fn may_come<R: Refinements<Bounds = B> + ?Sized>(&self, of: &R, r: u32) -> bool {
+        if !R::PARTIAL {
+            return true;
+        }
+        if !of.available(r) {
             of.miss(r, false);
-            false
+            return false;
+        }
+        // What comes from outside may be contradictory: parents that would not know of it would leave without it.
+        let knows = |parent: u32| {
+            self.state[parent as usize] & ASKED != 0 && of.children(parent).any(|child| child == r)
+        };
+        of.parents(r).all(knows) && may_come(of, &self.state, r)
+    }
+
+    /// Asks for a refinement at the front, or no longer, where all answers are forgotten.
+    pub fn force<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) {
+        self.toggle(of, r);
+        self.new.clear();
+    }
+
+    /// Asks for a refinement at the front, or no longer.
+    fn toggle<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) {
+        let asked = self.state[r as usize] & ASKED == 0;
+        self.state[r as usize] ^= ASKED;
+        self.nodes[self.place[r as usize] as usize].asked = asked;
+        // Refinements on one side leave the front, refinements on the other may come to it.
+        if asked {
+            of.parents(r).for_each(|parent| self.leave(parent));
+            for child in of.children(r) {
+                self.enter(of, child);
+            }
         } else {
-            of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
+            of.children(r).for_each(|child| self.leave(child));
+            for parent in of.parents(r) {
+                self.enter(of, parent);
+            }
         }
     }
 
-    /// Puts a refinement to sleep until others arrive.
+    /// Adds a refinement to the front if it belongs there.
+    #[inline]
+    fn enter<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) {
+        if self.place[r as usize] != NONE || !self.belongs(of, r) {
+            return;
+        }
+        self.place[r as usize] = self.nodes.len() as u32;
+        let asked = self.state[r as usize] & ASKED != 0;
+        self.nodes.push(Node { refinement: r, asked, bounds: of.bounds(r) });
+        self.sleepers.push();
+        self.new.push(r);
+    }
+
+    /// Whether a refinement is on the rim or the fringe, and waits for nothing.
+    #[inline]
+    fn belongs<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) -> bool {
+        let state = self.state[r as usize];
+        if state & ASKED != 0 {
+            return !of.children(r).any(|child| self.state[child as usize] & ASKED != 0);
+        }
+        if R::PARTIAL && state & WAITS != 0 {
+            return false;
+        }
+        if R::PARTIAL && !of.available(r) {
+            of.miss(r, false);
+            self.wait(r);
+            return false;
+        }
+        of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
+    }
+
+    /// Takes a refinement away from the front, if it is there.
+    #[inline]
+    fn leave(&mut self, r: u32) {
+        let place = std::mem::replace(&mut self.place[r as usize], NONE);
+        if place == NONE {
+            return;
+        }
+        self.nodes.swap_remove(place as usize);
+        self.sleepers.swap_remove(place as usize);
+        if let Some(moved) = self.nodes.get(place as usize) {
+            self.place[moved.refinement as usize] = place;
+        }
+    }
+
+    /// Takes a refinement away from the front until others arrive.
     fn wait(&mut self, r: u32) {
-        self.state[r as usize] |= ASLEEP;
+        self.leave(r);
+        self.state[r as usize] |= WAITS;
         self.waiting.push(r);
     }
 
-    /// Wakes what waits for others to arrive.
+    /// Asks again, in the next update, about what waits for others to arrive.
     #[cfg(all(feature = "stream", feature = "io"))]
     pub fn arrived(&mut self) {
-        for r in self.waiting.drain(..) {
-            self.state[r as usize] &= !ASLEEP;
-            self.work.push(r);
+        self.arrived = true;
+    }
+
+    /// Brings the roots to the front once, and, if others have arrived or `all`, what waits for others.
+    fn arrive<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, all: bool) {
+        if !std::mem::replace(&mut self.started, true) {
+            for root in of.roots() {
+                self.enter(of, root);
+            }
+        }
+        if std::mem::take(&mut self.arrived) || all {
+            let waiting = std::mem::take(&mut self.waiting);
+            for &r in &waiting {
+                self.state[r as usize] &= !WAITS;
+            }
+            for r in waiting {
+                self.enter(of, r);
+            }
         }
     }
 
-    /// Forgets all answers and front flags, but not the set.
+    /// Reads all bounds anew: a structure may have changed.
+    fn renew<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R) {
+        for node in &mut self.nodes {
+            if !R::PARTIAL || of.available(node.refinement) {
+                node.bounds = of.bounds(node.refinement);
+            }
+        }
+    }
+
+    /// Forgets all answers, but not the set.
     pub fn forget(&mut self) {
-        self.wheels.iter_mut().for_each(Wheel::clear);
-        self.waiting.clear();
-        self.state.iter_mut().for_each(|s| *s &= !(ASLEEP | AT_FRONT));
+        self.sleepers.forget();
         self.work.clear();
+        self.new.clear();
     }
 
-    /// Returns the rim and the fringe, with duplicates and with others. Check each with [`Front::is_due`].
-    pub fn candidates<R: Refinements + ?Sized>(&mut self, of: &R) -> &[u32] {
+    /// Forgets all answers, and returns the refinements at the front, and whether each is asked for.
+    pub fn all<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R) -> impl Iterator<Item = (u32, bool)> {
         self.forget();
-        self.wake(of, Motion::Other);
-        &self.work
+        self.arrive(of, true);
+        if R::PARTIAL {
+            let gone = |node: &&Node<B>| !node.asked && !of.available(node.refinement);
+            let gone: Vec<u32> = self.nodes.iter().filter(gone).map(|node| node.refinement).collect();
+            for r in gone {
+                of.miss(r, false);
+                self.wait(r);
+            }
+        }
+        self.nodes.iter().map(|node| (node.refinement, node.asked))
     }
 
+    /// Returns whether a refinement at the front is asked for; `None` if it is not at the front.
     #[inline]
-    fn sleep(&mut self, r: u32, answer: Answer) {
-        self.state[r as usize] |= ASLEEP;
-        let Answer { moved, turned, .. } = answer;
-        if turned == f64::INFINITY {
-            if moved != f64::INFINITY {
-                self.wheels[0].put(r, caution(moved), &mut self.next);
-            }
-            return;
-        }
-        // The arm nearest to the course. Exponents approximate logarithms well enough.
-        let ratio = moved.max(f64::MIN_POSITIVE) / turned;
-        let arm = self.course.max(ratio * (1.0 / KEPT)).min(ratio * KEPT);
-        let exponent = |x: f64| (x.to_bits() >> 52) as i32;
-        let halvings = exponent(self.arms[1]) - exponent(arm);
-        let wheel = halvings.clamp(0, ARMS as i32 - 1) as usize + 1;
-        // The odometer may advance by `slack` in moving and at the same time in turning.
-        let turned = turned * self.arms[wheel];
-        let slack = if moved < f64::INFINITY { moved * turned / (moved + turned) } else { turned };
-        self.wheels[wheel].put(r, caution(slack), &mut self.next);
+    pub fn asked_at(&self, r: u32) -> Option<bool> {
+        self.nodes.get(self.place[r as usize] as usize).map(|node| node.asked)
     }
 
-    fn wake<R: Refinements + ?Sized>(&mut self, of: &R, motion: Motion) {
-        let runs: [f64; 1 + ARMS] = match motion {
-            Motion::Moved { distance, angle } if distance.is_finite() && angle.is_finite() => {
-                self.course = distance / angle.max(f64::MIN_POSITIVE);
-                self.arms.map(|arm| distance.max(angle * arm))
-            }
-            _ => [f64::NAN; 1 + ARMS],
-        };
-        let Self { state, next, work, waiting, wheels, .. } = self;
-        if wheels.iter().zip(runs).all(|(wheel, run)| wheel.can_run(run)) {
-            let mut wake = |r: u32| {
-                state[r as usize] &= !ASLEEP;
-                work.push(r);
-            };
-            for (wheel, run) in wheels.iter_mut().zip(runs) {
-                wheel.advance(run, next, &mut wake);
-            }
-            work.sort_unstable_by(|a, b| b.cmp(a));
-            return;
-        }
-        // No answer holds.
-        wheels.iter_mut().for_each(Wheel::clear);
-        waiting.clear();
-        state.iter_mut().for_each(|s| *s &= !ASLEEP);
-        work.extend(of.roots());
-        for r in 0..state.len() as u32 {
-            if state[r as usize] & ASKED != 0 {
-                work.push(r);
-                work.extend(of.children(r).filter(|&child| state[child as usize] & ASKED == 0));
-            }
-        }
-    }
-}
-
-impl Front {
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         self.state.len()
-            + size_of_val(&self.next[..])
+            + size_of_val(&self.place[..])
+            + size_of_val(&self.nodes[..])
             + size_of_val(&self.waiting[..])
-            + self.wheels.iter().map(Wheel::memory).sum::<usize>()
+            + self.sleepers.memory()
     }
 }

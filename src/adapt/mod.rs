@@ -4,9 +4,9 @@
 //! |---|---|
 //! | `refinements.rs` | [`Refinements`]: a structure, as seen by the cut |
 //! | `front.rs` | refinements asked for by a view, updated by testing only refinements with answers due |
-//! | `wheel.rs` | sleeping refinements, by the motion of the eye until their next test |
+//! | `sleepers.rs` | how long each answer holds: by place, and by block of places |
 //! | `closure.rs` | the smallest closed set containing all refinements asked for |
-//! | `cut.rs` | [`Cut`]: front, wheel and closure together |
+//! | `cut.rs` | [`Cut`]: front and closure together |
 //! | `budget.rs` | a cut within a number of triangles: the most urgent refinements, by two heaps over rim and fringe |
 //! | `urgency.rs` | the order of refinements within a number of triangles |
 //! | `transitions.rs` | the shown mesh follows the cut: limited a frame, smoothly if asked for |
@@ -28,15 +28,15 @@ mod frame_limits;
 mod front;
 mod geomorph;
 mod refinements;
+mod sleepers;
 mod tolerance;
 mod transitions;
 mod urgency;
 mod weights;
-mod wheel;
 
 pub use blend::Blend;
 pub use change::Change;
-pub(crate) use cut::is_done;
+pub(crate) use cut::{Apply, is_done};
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
 pub(crate) use frame_limits::FrameLimits;

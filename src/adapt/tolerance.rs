@@ -12,7 +12,7 @@
 //! of the answer, beside distance and angle: `|ln(factor / factor before)|` is added to the angle turned by the eye, so a
 //! turning factor wakes only refinements whose answers may change.
 
-use crate::view::{Answer, Criterion, Motion};
+use crate::view::{Answer, Criterion, Factors, Motion};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tolerance {
@@ -77,6 +77,10 @@ impl<B, C: Criterion<B> + ?Sized> Criterion<B> for Scaled<'_, C> {
 
     fn test_at(&self, bounds: &B, factor: f64) -> Answer {
         self.criterion.test_turning(bounds, self.factor, factor)
+    }
+
+    fn test_each(&self, bounds: &[B], factors: Factors, answers: &mut [Answer]) {
+        self.criterion.test_each(bounds, Factors { turning: Some(self.factor), ..factors }, answers);
     }
 
     fn motion(&self, _: &Self) -> Motion {

@@ -19,6 +19,10 @@ use super::weights::{Transition, Weights};
 pub(crate) trait RefinementSink {
     /// Triangles drawn.
     fn triangles(&self) -> usize;
+    /// Reads what some refinements that come (`true`) or go next are going to read.
+    fn look_ahead(&self, changes: &[(u32, bool)]) {
+        let _ = changes;
+    }
     /// Triangles added now by a refinement. For a shown refinement which may go: triangles removed.
     fn cost(&self, r: u32) -> usize;
     /// Places moving vertices by the advanced weights. Transitions which are over and open end afterwards.

@@ -181,6 +181,7 @@ impl<V: Vertex> GmeshLod<V> {
                 tests: self.tests,
                 splits: is.saturating_sub(was),
                 collapses: was.saturating_sub(is),
+                ..CutReport::default()
             },
             triangles,
             pending: is.abs_diff(wanted).max(usize::from(is_under_way)),

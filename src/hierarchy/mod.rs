@@ -17,6 +17,7 @@
 //! | `stars.rs` | the corners around every active vertex, in a pool |
 //! | `packed.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
+//! | `look_ahead.rs` | fetches what splits and collapses are going to read |
 //! | `instance.rs` | [`HierarchyLod`]: a drawn instance |
 //! | `baked.rs` | the common interface of all structures; [`HierarchyOptions`] |
 //! | `builder.rs` | [`HierarchyBuilder`]: presets |
@@ -34,6 +35,7 @@ mod context;
 mod dependencies;
 mod error;
 mod instance;
+mod look_ahead;
 mod packed;
 mod parts;
 #[cfg(feature = "io")]

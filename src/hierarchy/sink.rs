@@ -26,6 +26,10 @@ impl<V: Vertex> RefinementSink for Sink<'_, V> {
         self.vertices.advance(self.hierarchy, weights);
     }
 
+    fn look_ahead(&self, changes: &[(u32, bool)]) {
+        self.surface.look_ahead(self.hierarchy, changes);
+    }
+
     #[inline]
     fn refine(&mut self, split: u32, smoothly: bool, there: impl Fn(u32) -> bool + Copy) {
         self.surface.split(self.hierarchy, split, there);

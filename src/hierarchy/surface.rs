@@ -62,26 +62,26 @@ impl SplitSource for VertexHierarchy {
 /// and allocate only when buffers grow.
 #[derive(Debug, Clone)]
 pub struct CutSurface {
-    stars: CornerStars,
-    output: Output,
+    pub(super) stars: CornerStars,
+    pub(super) output: Output,
     /// During a collapse, vertices which may have lost their last corner.
     loose: Vec<u32>,
 }
 
 /// The buffers to draw.
 #[derive(Debug, Clone)]
-struct Output {
+pub(super) struct Output {
     /// Per triangle, its place in its group, or `NONE`.
-    place: Vec<u32>,
+    pub place: Vec<u32>,
     /// A group per material.
-    groups: Vec<Group>,
+    pub groups: Vec<Group>,
     /// Slots of vertices in use; `None` if corners name vertices themselves.
-    packed: Option<Packed>,
+    pub packed: Option<Packed>,
 }
 
 #[derive(Debug, Clone, Default)]
-struct Group {
-    indices: Vec<[u32; 3]>,
+pub(super) struct Group {
+    pub indices: Vec<[u32; 3]>,
     /// Per place, its triangle.
     drawn: Vec<u32>,
     dirty: Dirty,
@@ -279,8 +279,8 @@ impl CutSurface {
         let gone = 3 * owned.start..3 * owned.end;
         for triangle in owned {
             for vertex in output.hide(source, triangle) {
-                // Vertices of the split lose their stars as a whole.
-                if source.brought(split).all(|[brought, ..]| brought != vertex) {
+                // Vertices of the split lose their stars as a whole, and substitutes are in several of these triangles.
+                if source.brought(split).all(|[brought, to, _]| brought != vertex && to != vertex) {
                     stars.remove(vertex, &gone);
                     if output.packed.is_some() {
                         loose.push(vertex);
@@ -289,6 +289,10 @@ impl CutSurface {
             }
         }
         for [vertex, to, _] in source.brought(split) {
+            stars.remove(to, &gone);
+            if output.packed.is_some() {
+                loose.push(to);
+            }
             let mut name = NONE;
             stars.join(vertex, to, &gone, |corner| {
                 if name == NONE {

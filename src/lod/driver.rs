@@ -2,16 +2,16 @@
 //! there.
 
 use crate::adapt::{
-    AT_REST, Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, Weights, is_done,
+    AT_REST, Apply, Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, Weights, is_done,
 };
-use crate::view::{Answer, Criterion, Motion, ObjectView};
+use crate::view::{Answer, Bounds, Criterion, Motion, ObjectView};
 
 use super::LodOptions;
 
 /// Moves a cut by views, and draws the way there within limits.
 #[derive(Debug, Clone)]
-pub(crate) struct Driver {
-    cut: Cut,
+pub(crate) struct Driver<B = Bounds> {
+    cut: Cut<B>,
     views: Vec<ObjectView>,
     options: LodOptions,
     /// `None` if the cut is drawn at once.
@@ -21,9 +21,9 @@ pub(crate) struct Driver {
     forgets: bool,
 }
 
-impl Driver {
+impl<B: Copy> Driver<B> {
     /// Starts at the coarsest cut, with default options.
-    pub fn new(cut: Cut) -> Self {
+    pub fn new(cut: Cut<B>) -> Self {
         Self {
             cut,
             views: Vec::new(),
@@ -34,7 +34,7 @@ impl Driver {
         }
     }
 
-    pub fn cut(&self) -> &Cut {
+    pub fn cut(&self) -> &Cut<B> {
         &self.cut
     }
 
@@ -79,12 +79,12 @@ impl Driver {
     }
 
     /// Sets new options. `wanted` counts the triangles at the cut.
-    pub fn set_options<R: Refinements + ?Sized>(
+    pub fn set_options<R: Refinements<Bounds = B> + ?Sized>(
         &mut self,
         of: &R,
         options: &LodOptions,
         sink: &mut impl RefinementSink,
-        wanted: impl FnOnce(&Cut) -> usize,
+        wanted: impl FnOnce(&Cut<B>) -> usize,
     ) {
         self.forgets |= options.triangles != self.options.triangles;
         let moves = options.geomorph.is_some();
@@ -107,14 +107,14 @@ impl Driver {
     }
 
     /// Draws the whole cut at once.
-    pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
+    pub fn settle<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         if let Some(limits) = &mut self.limits {
             limits.settle(of, sink);
         }
     }
 
     /// Moves to the cut asked for by views. `diagonal` is the object's.
-    pub fn adapt<R: Refinements + ?Sized>(
+    pub fn adapt<R: Refinements<Bounds = B> + ?Sized>(
         &mut self,
         of: &R,
         (views, seconds, diagonal): (&[ObjectView], f32, f64),
@@ -122,7 +122,7 @@ impl Driver {
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change
     where
-        [ObjectView]: Criterion<R::Bounds>,
+        [ObjectView]: Criterion<B>,
     {
         let motion = if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) };
         let change = self.adapt_by(of, (views, motion, seconds, diagonal), sink, cost);
@@ -131,7 +131,7 @@ impl Driver {
     }
 
     /// Moves to the cut needed by a criterion. The next views are asked about every refinement.
-    pub fn adapt_by<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    pub fn adapt_by<R: Refinements<Bounds = B> + ?Sized, C: Criterion<B> + ?Sized>(
         &mut self,
         of: &R,
         (criterion, motion, seconds, diagonal): (&C, Motion, f32, f64),
@@ -149,7 +149,7 @@ impl Driver {
         self.move_to(of, (&scaled, motion, progress), sink, cost)
     }
 
-    fn move_to<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
+    fn move_to<R: Refinements<Bounds = B> + ?Sized, C: Criterion<B> + ?Sized>(
         &mut self,
         of: &R,
         (criterion, motion, progress): (&C, Motion, f32),
@@ -169,20 +169,32 @@ impl Driver {
     }
 }
 
+/// Draws what comes, and removes what goes.
+struct Drawn<'a, S>(&'a mut S);
+
+impl<S: RefinementSink> Apply for Drawn<'_, S> {
+    fn look_ahead(&mut self, changes: &[(u32, bool)]) {
+        self.0.look_ahead(changes);
+    }
+
+    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
+        if comes {
+            self.0.refine(refinement, false, |other| is_done(state, other));
+        } else {
+            self.0.coarsen(refinement);
+        }
+        true
+    }
+}
+
 /// Draws the cut at once: the fast way, without limits.
 fn direct<R: Refinements + ?Sized, C: Criterion<R::Bounds> + ?Sized>(
     of: &R,
-    cut: &mut Cut,
+    cut: &mut Cut<R::Bounds>,
     (criterion, motion): (&C, Motion),
     sink: &mut impl RefinementSink,
 ) -> Change {
-    let cut = cut.update(of, criterion, motion, |state, r, comes| {
-        if comes {
-            sink.refine(r, false, |other| is_done(state, other));
-        } else {
-            sink.coarsen(r);
-        }
-    });
+    let cut = cut.update(of, criterion, motion, &mut Drawn(&mut *sink));
     Change { cut, triangles: sink.triangles(), ..Change::default() }
 }
 

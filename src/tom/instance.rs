@@ -121,6 +121,7 @@ impl<V: Vertex> TomLod<V> {
                 tests: self.tests,
                 splits: now.vertices().saturating_sub(before.vertices()),
                 collapses: before.vertices().saturating_sub(now.vertices()),
+                ..CutReport::default()
             },
             triangles: now.triangles(),
             pending: now.vertices().abs_diff(self.wanted.vertices()),

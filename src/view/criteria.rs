@@ -139,6 +139,13 @@ pub trait Criterion<B = Bounds> {
         within_band(scale, |scale| self.test_scaled(bounds, scale, factor))
     }
 
+    /// Tests many bounds, and writes an answer for each: the same as [`test`](Self::test), [`test_at`](Self::test_at) or
+    /// [`test_turning`](Self::test_turning), whichever the factors say. Answers may hold for less than theirs. By default tests one
+    /// after the other.
+    fn test_each(&self, bounds: &[B], factors: Factors, answers: &mut [Answer]) {
+        one_by_one(self, bounds, factors, answers);
+    }
+
     /// Returns the [urgency](Self::urgency) with tolerances multiplied by `scale`. The default is `urgency / scale`.
     fn urgency_scaled(&self, bounds: &B, scale: f64) -> f64 {
         self.urgency(bounds) / scale
@@ -148,6 +155,36 @@ pub trait Criterion<B = Bounds> {
     fn sees(&self, bounds: &B) -> bool {
         let _ = bounds;
         true
+    }
+}
+
+/// Factors of all tolerances in [`Criterion::test_each`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// A factor that changes from view to view, if there is one ([`Criterion::test_turning`]).
+    pub turning: Option<f64>,
+    /// The factor of a budget; 1 without a budget.
+    pub budget: f64,
+}
+
+impl Factors {
+    /// Tolerances as they are.
+    pub const NONE: Self = Self { turning: None, budget: 1.0 };
+}
+
+/// Answers for many bounds, one after the other.
+pub(super) fn one_by_one<B, C: Criterion<B> + ?Sized>(
+    criterion: &C,
+    bounds: &[B],
+    factors: Factors,
+    answers: &mut [Answer],
+) {
+    for (bounds, answer) in bounds.iter().zip(answers) {
+        *answer = match factors {
+            Factors { turning: Some(scale), budget } => criterion.test_turning(bounds, scale, budget),
+            Factors { turning: None, budget } if budget != 1.0 => criterion.test_at(bounds, budget),
+            _ => criterion.test(bounds),
+        };
     }
 }
 
@@ -220,6 +257,14 @@ impl<B, C: Criterion<B>> Criterion<B> for [C] {
             }
         }
         answer
+    }
+
+    fn test_each(&self, bounds: &[B], factors: Factors, answers: &mut [Answer]) {
+        if let [one] = self {
+            one.test_each(bounds, factors, answers);
+        } else {
+            one_by_one(self, bounds, factors, answers);
+        }
     }
 
     fn sees(&self, bounds: &B) -> bool {

@@ -11,6 +11,7 @@
 //! | `error_shape.rs` | [`ErrorShape`]: spheroids, and spheres with cones, around error vectors |
 //! | `region.rs` | the sphere and the cone shared by all kinds of bounds |
 //! | `seen.rs` | how bounds look from an eye |
+//! | `lanes.rs` | tests of many bounds at once, in single precision |
 //! | `criteria.rs` | [`Criterion`]: whether a refinement is needed, and how long the answer holds |
 //!
 //! # Nested tests
@@ -24,6 +25,7 @@ mod camera;
 mod criteria;
 mod deviation;
 mod error_shape;
+mod lanes;
 mod look_at;
 mod matrix;
 #[cfg(feature = "stream")]
@@ -34,7 +36,7 @@ mod seen;
 
 pub use bounds::Bounds;
 pub use camera::{ErrorKind, Focus, View, ViewError};
-pub use criteria::{Answer, Criterion, Motion};
+pub use criteria::{Answer, Criterion, Factors, Motion};
 pub use deviation::DeviationBounds;
 pub use error_shape::ErrorShape;
 pub(crate) use error_shape::Fit;

@@ -4,8 +4,9 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::bounds::Bounds;
 use super::camera::{ErrorKind, Eye, View, ViewError};
-use super::criteria::{Answer, Criterion, Motion, within_band};
+use super::criteria::{Answer, Criterion, Factors, Motion, one_by_one, within_band};
 use super::deviation::DeviationBounds;
+use super::lanes::{LaneBounds, LaneView};
 use super::matrix::{columns, scales};
 use super::region::angle_between;
 use super::seen::{Extent, Facing, Place, SeenBounds};
@@ -315,6 +316,23 @@ impl ObjectView {
         self.answer::<true>(bounds, scale, factor)
     }
 
+    /// Answers for many bounds, as [`Criterion::test_each`] says.
+    fn answer_each<B: SeenBounds + LaneBounds>(&self, bounds: &[B], factors: Factors, answers: &mut [Answer])
+    where
+        Self: Criterion<B>,
+    {
+        let Factors { turning, budget } = factors;
+        let lanes = match self.focus {
+            None => LaneView::new(self, turning.unwrap_or(1.0) * budget),
+            Some(_) => None,
+        };
+        let Some(lanes) = lanes else { return one_by_one(self, bounds, factors, answers) };
+        match turning {
+            None => lanes.test::<_, false>(bounds, answers, |b| self.answer::<false>(b, 1.0, budget)),
+            Some(scale) => lanes.test::<_, true>(bounds, answers, |b| self.answer::<true>(b, scale, budget)),
+        }
+    }
+
     fn may_see(&self, bounds: &impl SeenBounds) -> bool {
         let place = self.place(bounds);
         let front = || self.facing(bounds, &place).is_none_or(|facing| facing.front().refine);
@@ -378,6 +396,10 @@ impl Criterion for ObjectView {
         self.answer_turning(bounds, scale, factor)
     }
 
+    fn test_each(&self, bounds: &[Bounds], factors: Factors, answers: &mut [Answer]) {
+        self.answer_each(bounds, factors, answers);
+    }
+
     fn urgency(&self, bounds: &Bounds) -> f64 {
         self.urgency_of(bounds, 1.0)
     }
@@ -412,6 +434,10 @@ impl Criterion<DeviationBounds> for ObjectView {
 
     fn test_turning(&self, bounds: &DeviationBounds, scale: f64, factor: f64) -> Answer {
         self.answer_turning(bounds, scale, factor)
+    }
+
+    fn test_each(&self, bounds: &[DeviationBounds], factors: Factors, answers: &mut [Answer]) {
+        self.answer_each(bounds, factors, answers);
     }
 
     fn urgency(&self, bounds: &DeviationBounds) -> f64 {

@@ -86,6 +86,20 @@ pub(super) fn facing(cone: [i8; 4]) -> Option<(DVec3, [f64; 2])> {
     Some((axis(cone), ANGLES[usize::from(angle as u8)]))
 }
 
+/// Sine and cosine of every half-angle, in single precision.
+static LANE_ANGLES: LazyLock<[[f32; 2]; 256]> = LazyLock::new(|| ANGLES.map(|angle| angle.map(|x| x as f32)));
+
+/// Returns the table for [`lane_angle`].
+pub(super) fn lane_angles() -> &'static [[f32; 2]; 256] {
+    &LANE_ANGLES
+}
+
+/// Returns sine and cosine of a cone's half-angle, in single precision; 2 and 0 for all directions.
+#[inline(always)]
+pub(super) fn lane_angle([x, y, z, angle]: [i8; 4], angles: &[[f32; 2]; 256]) -> [f32; 2] {
+    if angle == ANY || (x | y | z) == 0 { [2.0, 0.0] } else { angles[usize::from(angle as u8)] }
+}
+
 /// Rounds an axis, and widens the angle by the rotation due to rounding. `None` if the axis has no direction.
 pub(super) fn pack(axis: DVec3, half_angle: f64) -> Option<[i8; 4]> {
     let axis = axis.try_normalize()?;

@@ -129,3 +129,40 @@ proptest! {
         prop_assert!(is_closed(&hierarchy, lod.cut()));
     }
 }
+
+/// What a still eye cannot have changed is not looked at, nor most of what a slow one cannot; and the cut is that of the view all the same,
+/// however slowly it goes.
+#[test]
+fn a_slow_eye_lets_blocks_sleep() {
+    let mesh = multires::mesh::shapes::rock(20_000, 1);
+    let sequence = Simplifier::new().run(&mesh).unwrap();
+    let hierarchy = Arc::new(build(&mesh, &sequence, Dependencies::None).hierarchy);
+    let mut lod = HierarchyLod::new(Arc::clone(&hierarchy));
+    let (mut blocks, mut asleep) = (0, 0);
+    for frame in 0..400 {
+        // A 20,000th of the mesh's size a frame, and a turn as small; later a hundred times less, then faster and faster.
+        let at = match frame {
+            0..200 => frame as f32,
+            200..300 => 200.0 + 0.01 * (frame - 200) as f32,
+            _ => 201.0 + ((frame - 300) as f32).powf(1.7),
+        };
+        let view = view(&mesh, [0.0, 0.0, 1.2 - 5e-5 * at], 5e-5 * at, 0.3).of_world();
+        let cut = lod.adapt(std::slice::from_ref(&view), 0.0).cut;
+        if (10..300).contains(&frame) {
+            blocks += cut.blocks;
+            asleep += cut.asleep;
+        }
+        if frame % 20 == 19 {
+            let cut = lod.adapt(std::slice::from_ref(&view), 0.0).cut;
+            assert_eq!((cut.tests, cut.asleep), (0, cut.blocks), "frame {frame}");
+            assert!(cut.blocks > 20);
+            let mut anew = HierarchyLod::new(Arc::clone(&hierarchy));
+            anew.adapt(std::slice::from_ref(&view), 0.0);
+            assert!(
+                (0..hierarchy.len() as u32).all(|split| lod.shows(split) == anew.shows(split)),
+                "{frame}"
+            );
+        }
+    }
+    assert!(3 * asleep > 2 * blocks, "{asleep} of {blocks} blocks");
+}

@@ -6,4 +6,5 @@ mod support;
 mod answers;
 mod deviation;
 mod error_shapes;
+mod many;
 mod turning;

@@ -1,7 +1,7 @@
 //! Promise: an answer for a factor of tolerances holds while the eye moves and turns and the factor turns within its slack, shared
-//! out among the three in any way.
+//! out among the three in any way; be it asked for alone or among many.
 
-use multires::view::{Bounds, Criterion, DeviationBounds, ErrorShape, ObjectView, View};
+use multires::view::{Answer, Bounds, Criterion, DeviationBounds, ErrorShape, Factors, ObjectView, View};
 use proptest::prelude::*;
 
 use crate::support::camera::*;
@@ -23,10 +23,16 @@ fn assert_holds<B>(
     (shares, any, axis): (Shares, V, V),
 ) -> Result<(), TestCaseError>
 where
+    B: Copy,
     ObjectView: Criterion<B>,
 {
     let before = set(camera.view(), settings).of_world();
-    let answer = before.test_turning(bounds, scale, factor);
+    let alone = before.test_turning(bounds, scale, factor);
+    let mut among = [Answer::NEVER; 3];
+    let factors = Factors { turning: Some(scale), budget: factor };
+    before.test_each(&[*bounds, *bounds, *bounds], factors, &mut among);
+    prop_assert!(among.iter().all(|answer| answer.refine == alone.refine));
+    let answer = if any[0] > 0.0 { alone } else { among[2] };
     prop_assert_eq!(answer.refine, before.test_scaled(bounds, scale, factor).refine);
     prop_assert!(answer.moved >= 0.0 && answer.turned >= 0.0);
     // Nearer than that the rounding of matrices decides.

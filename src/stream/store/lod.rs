@@ -37,7 +37,7 @@ pub struct PageRange {
 /// split in the mesh stay in memory. If the cache is too small for all that the views ask for, nothing more is wanted once it is
 /// full: what is missing stays coarse.
 ///
-/// Takes 5 bytes a split of the model (9 with dependencies) besides the cache, and what is drawn.
+/// Takes 5 bytes a split of the model (9 with dependencies) and 48 for each that may come or go, besides the cache and what is drawn.
 #[derive(Clone)]
 pub struct StoreLod<V, F> {
     pages: Pages,

@@ -39,7 +39,7 @@ use super::vertices::Vertices;
 #[derive(Debug, Clone)]
 pub struct WaveletLod<V> {
     mesh: Arc<WaveletMesh>,
-    driver: Driver,
+    driver: Driver<DeviationBounds>,
     shown: Shown<V>,
     /// Use counts of the cut; only with a limit of triangles.
     asked: Option<Box<UseCounts>>,
@@ -250,7 +250,7 @@ impl<V: Vertex> WaveletLod<V> {
     }
 
     /// Wavelets requested by the last view, within the limit of triangles.
-    pub fn cut(&self) -> &Cut {
+    pub fn cut(&self) -> &Cut<DeviationBounds> {
         self.driver.cut()
     }
 
@@ -308,7 +308,12 @@ impl<V: Vertex> WaveletLod<V> {
     /// Runs the driver on what is drawn.
     fn drive(
         &mut self,
-        go: impl FnOnce(&mut Driver, &WaveletMesh, &mut Sink<'_, V>, &mut dyn FnMut(u32, bool) -> usize) -> Change,
+        go: impl FnOnce(
+            &mut Driver<DeviationBounds>,
+            &WaveletMesh,
+            &mut Sink<'_, V>,
+            &mut dyn FnMut(u32, bool) -> usize,
+        ) -> Change,
     ) -> Change {
         let Self { mesh, driver, shown, asked } = self;
         let mut cost = |wavelet: u32, comes: bool| {
