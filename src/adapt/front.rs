@@ -33,7 +33,7 @@ const WAITS: u8 = 4;
 /// Tests at a time.
 const BATCH: usize = 64;
 
-/// Changes looked at ahead.
+/// Changes at a time, looked at ahead.
 const AHEAD: usize = 32;
 
 /// What follows the changes of a set.
@@ -63,10 +63,12 @@ pub(super) struct Front<B> {
     sleepers: Sleepers,
     /// Whether the roots have come to the front.
     started: bool,
-    /// Places with answers due; refinements that are new at the front; and refinements with other answers than before.
+    /// Places with answers due; refinements that are new at the front; and refinements with other answers than before, the last
+    /// to be changed first, some at a time.
     due: Vec<u32>,
     new: Vec<u32>,
     work: Vec<(u32, bool)>,
+    next: Vec<(u32, bool)>,
     /// Refinements looked at ahead.
     near: Vec<u32>,
     /// A batch of tests.
@@ -92,6 +94,7 @@ impl<B: Copy> Front<B> {
             due: Vec::new(),
             new: Vec::new(),
             work: Vec::new(),
+            next: Vec::new(),
             near: Vec::new(),
             bounds: Vec::new(),
             waiting: Vec::new(),
@@ -118,13 +121,13 @@ impl<B: Copy> Front<B> {
             self.renew(of);
         }
         self.test_due(criterion);
+        // What lies close together is made close together: by number, and what follows from some changes before the next ones.
         while !self.work.is_empty() {
-            // By number: what lies close together is made close together.
-            let mut work = std::mem::take(&mut self.work);
-            work.sort_unstable();
-            let all = self.make(of, &work, changes);
-            work.clear();
-            self.work = work;
+            let mut next = std::mem::take(&mut self.next);
+            next.extend(self.work.drain(self.work.len().saturating_sub(AHEAD)..).rev());
+            let all = self.make(of, &next, changes);
+            next.clear();
+            self.next = next;
             if !all {
                 self.forget();
                 return false;
@@ -138,25 +141,23 @@ impl<B: Copy> Front<B> {
     fn make<R: Refinements<Bounds = B> + ?Sized>(
         &mut self,
         of: &R,
-        work: &[(u32, bool)],
+        next: &[(u32, bool)],
         changes: &mut impl Changes,
     ) -> bool {
-        for next in work.chunks(AHEAD) {
-            self.look_ahead(of, next);
-            changes.look_ahead(next);
-            for &(r, asked) in next {
-                // Refinements that left the front since.
-                if self.asked_at(r) != Some(!asked) {
-                    continue;
-                }
-                if asked && !self.may_come(of, r) {
-                    self.wait(r);
-                    continue;
-                }
-                self.toggle(of, r);
-                if !changes.change(&mut self.state, r, asked) {
-                    return false;
-                }
+        self.look_ahead(of, next);
+        changes.look_ahead(next);
+        for &(r, asked) in next {
+            // Refinements that left the front since.
+            if self.asked_at(r) != Some(!asked) {
+                continue;
+            }
+            if asked && !self.may_come(of, r) {
+                self.wait(r);
+                continue;
+            }
+            self.toggle(of, r);
+            if !changes.change(&mut self.state, r, asked) {
+                return false;
             }
         }
         true
@@ -193,6 +194,7 @@ impl<B: Copy> Front<B> {
         let mut answers = [Answer::NEVER; BATCH];
         // Some may have left again.
         due.extend(new.drain(..).map(|r| place[r as usize]).filter(|&place| place != NONE));
+        let before = work.len();
         for due in due.chunks(BATCH) {
             bounds.clear();
             bounds.extend(due.iter().map(|&place| nodes[place as usize].bounds));
@@ -206,6 +208,7 @@ impl<B: Copy> Front<B> {
                 }
             }
         }
+        work[before..].sort_unstable_by(|a, b| b.cmp(a));
         self.tests += due.len() as u64;
         due.clear();
     }
