@@ -21,7 +21,7 @@ const PRECISE: f32 = 1024.0;
 /// About this share of a block's sleep is kept for motion across the course.
 const ACROSS: f64 = 1.0 / 16.0;
 
-/// One direction of rounding for single-precision numbers that were made from double ones.
+/// What is multiplied by these is not below, or not above, itself once it is rounded to single precision.
 const UP: f64 = 1.0 + f32::EPSILON as f64;
 const DOWN: f64 = 1.0 - f32::EPSILON as f64;
 
