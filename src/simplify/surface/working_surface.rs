@@ -468,7 +468,8 @@ impl WorkingSurface {
         }
         self.stars.clear(lost);
         self.stars.append(kept, &moved);
-        self.kinds[kept as usize] |= self.kinds[lost as usize] & kind::WEDGES;
+        // Triangles that are turned against each other are so around the merged point, too.
+        self.kinds[kept as usize] |= self.kinds[lost as usize] & (kind::WEDGES | kind::IRREGULAR);
         if self.kinds[lost as usize] & kind::ON_CURVE != 0 {
             self.kinds[kept as usize] |= kind::ON_CURVE;
             self.curves.merge(lost, kept);
