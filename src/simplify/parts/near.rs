@@ -159,11 +159,10 @@ impl Near {
             if node >= leaves {
                 let leaf = node - leaves;
                 for &(p, point) in &self.points[self.start[leaf] as usize..self.start[leaf + 1] as usize] {
-                    if self.leaf_of[point as usize] == NONE || part(point) == own {
-                        continue;
-                    }
+                    // Most points are too far, and what else there is to know of a point lies elsewhere in memory.
                     let one = (p.distance_squared(at), point);
-                    if one.0 <= limit && (found.len() < most || one < found[most - 1]) {
+                    let is_near = one.0 <= limit && (found.len() < most || one < found[most - 1]);
+                    if is_near && self.leaf_of[point as usize] != NONE && part(point) != own {
                         let place = found.partition_point(|other| *other < one);
                         found.insert(place, one);
                         found.truncate(most);
