@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use crate::geometry::array::Array;
 use crate::geometry::lists::Lists;
 use crate::lod::Progress;
-use crate::mesh::{Mesh, NONE};
+use crate::mesh::{Mesh, NONE, Topology};
 use crate::sequence::collapse_forest::CollapseForest;
 use crate::sequence::{CollapseSequence, Origin};
 
@@ -127,7 +127,12 @@ impl VertexHierarchy {
         stage(0.8)?;
         hierarchy.bounds = bounds(&hierarchy, &forest.positions, &error).into();
         stage(0.9)?;
-        let Lists { start, items } = dependency_lists(&hierarchy, &splits.order, dependencies);
+        let point_of = || {
+            let topology = Topology::new(mesh);
+            let leaves = &forest.order[..forest.leaves as usize];
+            leaves.iter().map(|&vertex| topology.point_of()[vertex as usize]).collect()
+        };
+        let Lists { start, items } = dependency_lists(&hierarchy, &splits.order, point_of, dependencies);
         hierarchy.dependencies = Lists::of(start.into_vec(), items.into_vec());
         stage(1.0)?;
         Ok(HierarchyBuild {

@@ -10,6 +10,7 @@
 
 use crate::geometry::lists::Lists;
 
+use super::wings::wing_pairs;
 use super::{CutSurface, VertexHierarchy};
 
 /// How near a cut must stay to meshes seen by the simplifier.
@@ -28,19 +29,40 @@ pub enum Dependencies {
     /// collapse. Every split happens in exactly the star judged by the simplifier (Xia and Varshney 1996; Berkey and
     /// Song, section 3.2).
     Neighbours,
+    /// A split needs the split that keeps the two wings of its edge apart. Nearly as selective as none, and every cut of a
+    /// manifold is a manifold, with the same Euler characteristic, if the simplifier kept its levels so. For what is not: closed
+    /// meshes stay closed with any dependencies.
+    Manifold,
 }
 
 /// Finds the dependencies of every split by replaying all collapses. `order` lists the splits in the order of their
-/// collapses.
+/// collapses. `point_of` returns the point of every leaf: equal for leaves of one place.
 pub(super) fn dependency_lists(
     hierarchy: &VertexHierarchy,
     order: &[u32],
+    point_of: impl FnOnce() -> Vec<u32>,
     dependencies: Dependencies,
 ) -> Lists {
-    let count = hierarchy.split_count();
-    if dependencies == Dependencies::None {
-        return Lists::default();
+    match dependencies {
+        Dependencies::None => Lists::default(),
+        Dependencies::Manifold => lists(hierarchy, wing_pairs(hierarchy, order, &point_of())),
+        Dependencies::Adjacent | Dependencies::Neighbours => {
+            lists(hierarchy, neighbour_pairs(hierarchy, order, dependencies))
+        }
     }
+}
+
+/// Makes lists of pairs of a split and one needed by it, without parents.
+fn lists(hierarchy: &VertexHierarchy, mut pairs: Vec<[u32; 2]>) -> Lists {
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs.retain(|&[split, need]| !hierarchy.parents.get(split).contains(&need));
+    Lists::from_pairs(hierarchy.split_count(), pairs.iter().map(|&[split, need]| (split, need)))
+}
+
+/// Finds the splits needed among neighbours.
+fn neighbour_pairs(hierarchy: &VertexHierarchy, order: &[u32], dependencies: Dependencies) -> Vec<[u32; 2]> {
+    let count = hierarchy.split_count();
     let mut surface = CutSurface::new(hierarchy, false);
     // Applies all splits, coarsest first.
     for split in 0..count as u32 {
@@ -84,10 +106,7 @@ pub(super) fn dependency_lists(
             made[hierarchy.substitute[vertex as usize] as usize] = split;
         }
     }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs.retain(|&[split, need]| !hierarchy.parents.get(split).contains(&need));
-    Lists::from_pairs(count, pairs.iter().map(|&[split, need]| (split, need)))
+    pairs
 }
 
 /// Adds the corners of a vanishing triangle, and of the drawn triangles beside it, to `ring`.

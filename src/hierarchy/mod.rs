@@ -13,9 +13,10 @@
 //! | `build.rs` | builds splits from a collapse sequence, numbered for locality |
 //! | `bounds.rs` | nested bounds of splits |
 //! | `context.rs` | error of a split left out of an otherwise fine mesh |
+//! | `wings.rs` | dependencies that keep cuts manifold |
 //! | `dependencies.rs` | [`Dependencies`] of splits besides parents |
 //! | `stars.rs` | the corners around every active vertex, in a pool |
-//! | `packed.rs` | the vertices in use, packed |
+//! | `slots.rs` | the vertices in use, packed |
 //! | `surface.rs` | the mesh at a cut: splits and collapses |
 //! | `look_ahead.rs` | fetches what splits and collapses are going to read |
 //! | `instance.rs` | [`HierarchyLod`]: a drawn instance |
@@ -36,16 +37,17 @@ mod dependencies;
 mod error;
 mod instance;
 mod look_ahead;
-mod packed;
 mod parts;
 #[cfg(feature = "io")]
 mod sections;
 mod sink;
+mod slots;
 mod stars;
 mod surface;
 mod validate;
 mod vertex_hierarchy;
 mod vertices;
+mod wings;
 
 pub use baked::HierarchyOptions;
 pub use build::HierarchyBuild;

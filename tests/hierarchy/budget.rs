@@ -44,7 +44,7 @@ proptest! {
     #[test]
     fn never_above(
         which in 0usize..8,
-        policy in 0usize..3,
+        policy in 0usize..4,
         optimal in any::<bool>(),
         kind in 0usize..4,
         budgets in prop::array::uniform2(0usize..1500),

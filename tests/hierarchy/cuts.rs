@@ -65,7 +65,7 @@ proptest! {
     #[test]
     fn a_cut_is_the_image(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         packed in any::<bool>(),
         steps in prop::collection::vec((any::<u64>(), 0u64..110), 1..12),
     ) {
@@ -103,7 +103,7 @@ proptest! {
     #[test]
     fn the_cut_depends_on_the_view_alone(
         which in 0usize..8,
-        policy in 0usize..3,
+        policy in 0usize..4,
         optimal in any::<bool>(),
         start in prop::array::uniform3(-1.5f32..1.5),
         moves in prop::collection::vec((prop::array::uniform3(-1.0f32..1.0), -1.0f32..1.0, 0i32..7), 1..40),

@@ -44,7 +44,7 @@ proptest! {
     #[test]
     fn nothing_jumps(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         packed in any::<bool>(),
         operations in prop_oneof![Just(None), (1usize..6).prop_map(Some)],
         triangles in prop_oneof![Just(None), (0usize..40).prop_map(Some)],
@@ -101,7 +101,7 @@ proptest! {
     #[test]
     fn what_is_not_seen_is_changed_at_once(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         steps in prop::collection::vec((any::<u64>(), 0u64..110), 1..6),
     ) {
         let model = bake_hierarchy(&mesh, &sequence, POLICIES[policy]);

@@ -3,6 +3,8 @@
 
 #[path = "../support/flown.rs"]
 mod flown;
+#[path = "../support/meshes.rs"]
+mod meshes;
 #[path = "../support/models.rs"]
 mod models;
 #[path = "../support/mod.rs"]
@@ -12,6 +14,8 @@ mod budget;
 mod cuts;
 mod every_model;
 mod geomorph;
+mod manifold;
+mod many;
 mod mesh;
 mod operations;
 mod parts;

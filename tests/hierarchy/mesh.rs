@@ -11,7 +11,8 @@ use multires::simplify::{Order, Placement, Simplifier, metric};
 use multires::view::{Motion, View, look_at};
 use proptest::prelude::*;
 
-const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+const POLICIES: [Dependencies; 4] =
+    [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours, Dependencies::Manifold];
 
 fn without_uv(mesh: &Mesh) -> Mesh {
     let bare =
@@ -58,7 +59,7 @@ proptest! {
     #[test]
     fn meshes_at_cuts_have_all_that_the_mesh_has(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         seed in any::<u64>(),
     ) {
         let wedges = AttributeValues::Uint(Topology::new(&mesh).wedge_of().to_vec());
@@ -315,7 +316,7 @@ mod files {
         #[test]
         fn forged_bytes_are_refused_or_safe(
             (mesh, sequence) in support::any_placement(),
-            policy in 0usize..3,
+            policy in 0usize..4,
             damage in prop::collection::vec((any::<prop::sample::Index>(), any::<bool>(), any::<u32>()), 1..4),
             noise in prop::collection::vec(any::<u8>(), 0..300),
         ) {

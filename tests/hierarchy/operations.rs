@@ -17,7 +17,7 @@ proptest! {
     #[test]
     fn no_frame_does_more_and_all_is_done_in_the_end(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         packed in any::<bool>(),
         most in 1usize..7,
         triangles in prop_oneof![Just(None), (0usize..40).prop_map(Some)],
@@ -60,7 +60,7 @@ proptest! {
     #[test]
     fn lifting_the_limit_draws_all(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         limits in prop::collection::vec((prop::option::of(0usize..4), prop::option::of(0usize..30), any::<u64>()), 1..8),
     ) {
         let built = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap();

@@ -229,7 +229,8 @@ fn forge(parts: &mut HierarchyParts, changes: &[(u8, prop::sample::Index, u32)])
     }
 }
 
-const POLICIES: [Dependencies; 3] = [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+const POLICIES: [Dependencies; 4] =
+    [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours, Dependencies::Manifold];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
@@ -237,7 +238,7 @@ proptest! {
     #[test]
     fn forged_parts_are_refused_or_safe(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
         changes in prop::collection::vec((any::<u8>(), any::<prop::sample::Index>(), any::<u32>()), 1..4),
         seed in any::<u64>(),
     ) {
@@ -252,7 +253,7 @@ proptest! {
     #[test]
     fn parts_come_back_as_what_they_were(
         (mesh, sequence) in support::any_placement(),
-        policy in 0usize..3,
+        policy in 0usize..4,
     ) {
         let hierarchy = VertexHierarchy::build(&mesh, &sequence, POLICIES[policy]).unwrap().hierarchy;
         prop_assert_eq!(hierarchy.validate(), Ok(()));

@@ -10,8 +10,8 @@ use multires::simplify::CollapseSequence;
 use multires::tom::{TomOptions, TotallyOrderedMesh};
 use multires::view::{Answer, Bounds, Criterion, Motion, View};
 
-pub const POLICIES: [Dependencies; 3] =
-    [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours];
+pub const POLICIES: [Dependencies; 4] =
+    [Dependencies::None, Dependencies::Adjacent, Dependencies::Neighbours, Dependencies::Manifold];
 
 /// A totally ordered mesh of a sequence, with its vertices.
 pub fn bake_tom(mesh: &Mesh, sequence: &CollapseSequence) -> Baked<TotallyOrderedMesh> {

@@ -11,8 +11,9 @@ use crate::number;
 use crate::subdivide::subdivide;
 
 /// Every policy by its name.
-const POLICIES: [(&str, Dependencies); 3] = [
+const POLICIES: [(&str, Dependencies); 4] = [
     ("none", Dependencies::None),
+    ("manifold", Dependencies::Manifold),
     ("adjacent", Dependencies::Adjacent),
     ("neighbours", Dependencies::Neighbours),
 ];

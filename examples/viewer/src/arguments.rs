@@ -169,6 +169,8 @@ pub enum Needs {
     /// As the view asks.
     #[default]
     None,
+    /// A split needs the split that keeps its wings apart: cuts stay manifold.
+    Manifold,
     /// A split needs the triangles beside it.
     Adjacent,
     /// A split needs all neighbours of its vertex.
@@ -247,6 +249,7 @@ impl From<Needs> for Dependencies {
     fn from(needs: Needs) -> Self {
         match needs {
             Needs::None => Self::None,
+            Needs::Manifold => Self::Manifold,
             Needs::Adjacent => Self::Adjacent,
             Needs::Neighbours => Self::Neighbours,
         }

@@ -27,7 +27,8 @@ use crate::{batches, files, simplify};
 /// Bake all levels of detail of a mesh into one file.
 ///
 /// The totally ordered mesh (tom) needs endpoint placement, which is then the default for every metric. The vertex hierarchy
-/// (hierarchy) takes any placement. Berkey and Song's system is --metric edge-length --placement midpoint --order batched
+/// (hierarchy) takes any placement; --placement optimal with --metric lindstrom-turk, then its default, draws the fewest triangles.
+/// Berkey and Song's system is --metric edge-length --placement midpoint --order batched
 /// --dependencies neighbours, with --radius in `adapt` and `fly`.
 ///
 /// The g-mesh (gmesh) has few levels that turn into each other, for objects drawn many times. Batches that nearly halve the
@@ -47,8 +48,9 @@ pub struct Build {
     /// Structure to build.
     #[arg(long, value_name = "S", value_enum)]
     structure: Structure,
-    /// Vertices that must be active before a hierarchy's split, besides its own: none, the vertices of its triangles and of the
-    /// triangles beside them, or all neighbours at the time of simplification [default: none].
+    /// Vertices that must be active before a hierarchy's split, besides its own: none, those that keep every cut of a manifold mesh
+    /// a manifold, the vertices of its triangles and of the triangles beside them, or all neighbours at the time of simplification
+    /// [default: none].
     #[arg(long, value_name = "D", value_enum)]
     dependencies: Option<Needs>,
     /// Errors covered by a wavelet's bounds: all possible errors, or errors of leaving out all wavelets of its level and finer
@@ -107,6 +109,7 @@ enum Shape {
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Needs {
     None,
+    Manifold,
     Adjacent,
     Neighbours,
 }
@@ -145,11 +148,17 @@ impl Run for Build {
             Structure::Hierarchy => {
                 let dependencies = match self.dependencies {
                     None | Some(Needs::None) => Dependencies::None,
+                    Some(Needs::Manifold) => Dependencies::Manifold,
                     Some(Needs::Adjacent) => Dependencies::Adjacent,
                     Some(Needs::Neighbours) => Dependencies::Neighbours,
                 };
                 let options = HierarchyOptions::default().with_dependencies(dependencies);
-                self.of_sequence::<VertexHierarchy>(self.given.rules.place(), &options)
+                let mut build = self.clone();
+                // The fewest triangles drawn.
+                if self.given.metric().is_none() && self.given.rules.place() == Place::Optimal {
+                    build.given.rules.metric = "lindstrom-turk".to_owned();
+                }
+                build.of_sequence::<VertexHierarchy>(self.given.rules.place(), &options)
             }
             Structure::Gmesh => {
                 let mut build = self.clone();

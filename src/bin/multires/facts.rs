@@ -85,6 +85,7 @@ impl Facts {
         let overhead = (leaves > 0).then(|| hierarchy.overhead() as f64 / leaves as f64);
         let dependencies = match hierarchy.dependency_kind() {
             Dependencies::None => "none",
+            Dependencies::Manifold => "manifold",
             Dependencies::Adjacent => "adjacent",
             Dependencies::Neighbours => "neighbours",
             _ => "other",

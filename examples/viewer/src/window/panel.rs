@@ -255,6 +255,7 @@ fn model(ui: &mut Ui, viewer: &mut Viewer, asked: &mut Asked) {
                 &mut build.dependencies,
                 &[
                     (Dependencies::None, "none"),
+                    (Dependencies::Manifold, "manifold"),
                     (Dependencies::Adjacent, "adjacent"),
                     (Dependencies::Neighbours, "neighbours"),
                 ],
