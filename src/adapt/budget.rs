@@ -20,6 +20,7 @@ use crate::view::{Answer, Criterion, Factors, Motion};
 use super::cut::{Cut, CutReport};
 use super::front::Front;
 use super::refinements::Refinements;
+use super::states::States;
 use super::urgency::Key;
 
 /// Shares of the budget. Below `ROOM * limit` triangles the budget tries to add refinements. When the factor moves, it is
@@ -117,7 +118,7 @@ impl Budget {
         let mut settled = self.factor.is_finite();
         if settled {
             let wanted = Coarsened { criterion, factor: self.factor };
-            let (all, asked) = cut.update_while(of, &wanted, motion, &mut |_: &[u8], r, comes| {
+            let (all, asked) = cut.update_while(of, &wanted, motion, &mut |_: &States, r, comes| {
                 count(&mut self.triangles, r, comes);
                 !comes || self.triangles <= cap
             });
@@ -132,7 +133,7 @@ impl Budget {
                 // Puts all refinements to sleep with the new factor. Refinements as urgent as the first excluded
                 // refinement go too.
                 let wanted = Coarsened { criterion, factor: self.factor };
-                let (_, asked) = cut.update_while(of, &wanted, Motion::Other, &mut |_: &[u8], r, comes| {
+                let (_, asked) = cut.update_while(of, &wanted, Motion::Other, &mut |_: &States, r, comes| {
                     count(&mut self.triangles, r, comes);
                     true
                 });
@@ -182,7 +183,8 @@ impl Budget {
             let most = fringe.peek().copied().filter(|top| top.urgency > 1.0);
             let mut toggle = |front: &mut Front<R::Bounds>, triangles: &mut usize, r: u32, asked: bool| {
                 front.force(of, r);
-                closure.change(of, &mut front.state, r, asked, &mut |_, r, comes| count(triangles, r, comes));
+                closure
+                    .change(of, &mut front.states, r, asked, &mut |_, r, comes| count(triangles, r, comes));
             };
             let goes = match (least, most) {
                 (Some(least), _) if *triangles > aim || least.urgency <= 1.0 => least,

@@ -6,21 +6,23 @@
 
 use std::collections::BTreeMap;
 
-use super::front::{ASKED, DONE};
+use crate::geometry::paged::Paged;
+
 use super::refinements::Refinements;
+use super::states::{ASKED, DONE, States};
 
 #[derive(Debug, Clone)]
 pub(super) struct Closure {
-    /// Per refinement, how many refinements in the mesh need it. Empty if no refinement has dependencies besides its
+    /// Per refinement, how many refinements in the mesh need it. `None` if no refinement has dependencies besides its
     /// parents.
-    held: Vec<u32>,
+    held: Option<Paged<u32, 9>>,
     stack: Vec<(u32, bool)>,
 }
 
 impl Closure {
     /// `dependencies`: whether any refinement has dependencies besides its parents.
     pub fn new(count: usize, dependencies: bool) -> Self {
-        Self { held: if dependencies { vec![0; count] } else { Vec::new() }, stack: Vec::new() }
+        Self { held: dependencies.then(|| Paged::of(count, 0)), stack: Vec::new() }
     }
 
     /// Records a change of the request for `r`: asked for from now on, or no longer. `apply` is called with each
@@ -28,81 +30,94 @@ impl Closure {
     pub fn change<R: Refinements + ?Sized>(
         &mut self,
         of: &R,
-        state: &mut [u8],
+        states: &mut States,
         r: u32,
         asked: bool,
-        apply: &mut impl FnMut(&[u8], u32, bool),
+        apply: &mut impl FnMut(&States, u32, bool),
     ) {
-        if self.held.is_empty() {
+        let Self { held, stack } = self;
+        match held {
             // Refinements asked for are already closed under parents.
-            state[r as usize] ^= DONE;
-            apply(state, r, asked);
-        } else if asked {
-            self.bring(of, state, r, apply);
-        } else if self.held[r as usize] == 0 {
-            self.drop(of, state, r, apply);
+            None => apply(states, r, asked),
+            Some(held) if asked => bring(of, (held, stack), states, r, apply),
+            Some(held) if held.at(r) == 0 => drop(of, (held, stack), states, r, apply),
+            Some(_) => {}
         }
     }
 
-    fn bring<R: Refinements + ?Sized>(
-        &mut self,
-        of: &R,
-        state: &mut [u8],
-        r: u32,
-        apply: &mut impl FnMut(&[u8], u32, bool),
-    ) {
-        self.stack.push((r, false));
-        while let Some((r, ready)) = self.stack.pop() {
-            if state[r as usize] & DONE != 0 {
-                continue;
-            }
-            if ready {
-                state[r as usize] |= DONE;
-                of.parents(r).chain(of.dependencies(r)).for_each(|n| self.held[n as usize] += 1);
-                apply(state, r, true);
-            } else {
-                self.stack.push((r, true));
-                let missing =
-                    of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & DONE == 0);
-                self.stack.extend(missing.map(|n| (n, false)));
-            }
-        }
+    /// Looks for pages without counts.
+    pub fn sweep(&mut self) {
+        self.held.iter_mut().for_each(Paged::sweep);
     }
 
-    fn drop<R: Refinements + ?Sized>(
-        &mut self,
-        of: &R,
-        state: &mut [u8],
-        r: u32,
-        apply: &mut impl FnMut(&[u8], u32, bool),
-    ) {
-        self.stack.push((r, false));
-        while let Some((r, _)) = self.stack.pop() {
-            state[r as usize] &= !DONE;
-            apply(state, r, false);
-            for n in of.parents(r).chain(of.dependencies(r)) {
-                self.held[n as usize] -= 1;
-                if self.held[n as usize] == 0 && state[n as usize] & ASKED == 0 {
-                    self.stack.push((n, false));
-                }
-            }
-        }
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.held.iter_mut().for_each(Paged::trim);
     }
 
     /// Bytes of the counts.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.held[..])
+        self.held.as_ref().map_or(0, Paged::memory)
+    }
+}
+
+type Counts<'a> = (&'a mut Paged<u32, 9>, &'a mut Vec<(u32, bool)>);
+
+/// Brings a refinement with all that it needs.
+fn bring<R: Refinements + ?Sized>(
+    of: &R,
+    (held, stack): Counts<'_>,
+    states: &mut States,
+    r: u32,
+    apply: &mut impl FnMut(&States, u32, bool),
+) {
+    stack.push((r, false));
+    while let Some((r, ready)) = stack.pop() {
+        if states.is_done(r) {
+            continue;
+        }
+        if ready {
+            states.set(r, DONE);
+            of.parents(r).chain(of.dependencies(r)).for_each(|n| *held.entry(n) += 1);
+            apply(states, r, true);
+        } else {
+            stack.push((r, true));
+            let missing = of.parents(r).chain(of.dependencies(r)).filter(|&n| !states.is_done(n));
+            stack.extend(missing.map(|n| (n, false)));
+        }
+    }
+}
+
+/// Drops a refinement that nothing needs, with all that is then neither needed nor asked for.
+fn drop<R: Refinements + ?Sized>(
+    of: &R,
+    (held, stack): Counts<'_>,
+    states: &mut States,
+    r: u32,
+    apply: &mut impl FnMut(&States, u32, bool),
+) {
+    stack.push((r, false));
+    while let Some((r, _)) = stack.pop() {
+        states.unset(r, DONE);
+        apply(states, r, false);
+        for n in of.parents(r).chain(of.dependencies(r)) {
+            let count = held.entry(n);
+            *count -= 1;
+            if *count == 0 && !states.has(n, ASKED) {
+                stack.push((n, false));
+            }
+        }
     }
 }
 
 /// Whether all that a refinement needs is available, itself included, and none of it needs the refinement. Notes the first
 /// refinement that is not available.
-pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, state: &[u8], r: u32) -> bool {
+pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, states: &States, r: u32) -> bool {
     if !R::PARTIAL {
         return true;
     }
     let needs = || of.parents(r).chain(of.dependencies(r));
-    if of.available(r) && needs().all(|n| state[n as usize] & DONE != 0) {
+    if of.available(r) && needs().all(|n| states.is_done(n)) {
         return true;
     }
     let (mut stack, mut seen) = (vec![(r, false)], BTreeMap::new());
@@ -117,7 +132,7 @@ pub(super) fn may_come<R: Refinements + ?Sized>(of: &R, state: &[u8], r: u32) ->
             return false;
         }
         stack.push((r, true));
-        for need in of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & DONE == 0) {
+        for need in of.parents(r).chain(of.dependencies(r)).filter(|&n| !states.is_done(n)) {
             match seen.get(&need) {
                 Some(false) => return false,
                 Some(true) => {}

@@ -3,8 +3,9 @@
 use crate::view::{Bounds, Criterion, Motion};
 
 use super::closure::Closure;
-use super::front::{ASKED, Changes, DONE, Front};
+use super::front::{Changes, Front};
 use super::refinements::Refinements;
+use super::states::{ASKED, States};
 
 /// Counts from one update of a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,20 +35,25 @@ pub struct Cut<B = Bounds> {
 
 impl<B: Copy> Cut<B> {
     /// Creates the coarsest cut, without refinements. `size` is the length of the object, object units. `dependencies`
-    /// says whether any refinement has dependencies besides its parents. Takes 5 bytes a refinement, 9 with dependencies, and 48 for each that may come or
-    /// go.
+    /// says whether any refinement has dependencies besides its parents. Takes 4 bytes for each page of 512 refinements (8 with
+    /// dependencies), 4 (8) for each refinement of a page that holds some of the cut, and 48 for each that may come or go.
     pub(crate) fn new(count: usize, size: f64, dependencies: bool) -> Self {
-        Self { front: Front::new(count, size), closure: Closure::new(count, dependencies) }
+        Self { front: Front::new(count, size, dependencies), closure: Closure::new(count, dependencies) }
     }
 
     /// Whether a refinement is in the mesh.
     pub fn holds(&self, refinement: u32) -> bool {
-        self.front.state.get(refinement as usize).is_some_and(|s| s & DONE != 0)
+        self.front.states.is_done(refinement)
+    }
+
+    /// Returns the refinements in the mesh, in ascending order. O(refinements in the mesh + all / 512).
+    pub fn refinements(&self) -> impl Iterator<Item = u32> + '_ {
+        self.front.states.done()
     }
 
     /// Whether the view asks for a refinement. A refinement not asked for may still be in the mesh, if others need it.
     pub fn asks_for(&self, refinement: u32) -> bool {
-        self.front.state.get(refinement as usize).is_some_and(|s| s & ASKED != 0)
+        self.front.states.has(refinement, ASKED)
     }
 
     /// Moves the cut to the refinements now needed by `criterion`. `motion` is the criterion's motion since the last
@@ -82,6 +88,7 @@ impl<B: Copy> Cut<B> {
         let Self { front, closure } = self;
         let before = front.tests;
         let all = front.update(of, criterion, motion, &mut Closed { of, closure, apply });
+        closure.sweep();
         (all, (front.tests - before) as usize)
     }
 
@@ -89,6 +96,12 @@ impl<B: Copy> Cut<B> {
     #[cfg(all(feature = "stream", feature = "io"))]
     pub(crate) fn arrived(&mut self) {
         self.front.arrived();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub(crate) fn trim(&mut self) {
+        self.front.trim();
+        self.closure.trim();
     }
 
     /// Bytes of the cut's arrays.
@@ -106,12 +119,12 @@ pub(crate) trait Apply {
 
     /// Called with each refinement which comes (`true`) or goes, and the flags of all: the set is closed after each call. If it
     /// returns `false`, the update stops.
-    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool;
+    fn apply(&mut self, states: &States, refinement: u32, comes: bool) -> bool;
 }
 
-impl<F: FnMut(&[u8], u32, bool) -> bool> Apply for F {
-    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
-        self(state, refinement, comes)
+impl<F: FnMut(&States, u32, bool) -> bool> Apply for F {
+    fn apply(&mut self, states: &States, refinement: u32, comes: bool) -> bool {
+        self(states, refinement, comes)
     }
 }
 
@@ -127,13 +140,13 @@ impl<A: Apply> Apply for Counted<'_, A> {
         self.apply.look_ahead(changes);
     }
 
-    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
+    fn apply(&mut self, states: &States, refinement: u32, comes: bool) -> bool {
         if comes {
             self.splits += 1;
         } else {
             self.collapses += 1;
         }
-        self.apply.apply(state, refinement, comes)
+        self.apply.apply(states, refinement, comes)
     }
 }
 
@@ -149,16 +162,10 @@ impl<R: Refinements + ?Sized, A: Apply> Changes for Closed<'_, R, A> {
         self.apply.look_ahead(changes);
     }
 
-    fn change(&mut self, state: &mut [u8], r: u32, asked: bool) -> bool {
+    fn change(&mut self, states: &mut States, r: u32, asked: bool) -> bool {
         let Self { of, closure, apply } = self;
         let mut go_on = true;
-        closure.change(*of, state, r, asked, &mut |state, r, comes| go_on &= apply.apply(state, r, comes));
+        closure.change(*of, states, r, asked, &mut |states, r, comes| go_on &= apply.apply(states, r, comes));
         go_on
     }
-}
-
-/// Whether a refinement is in the mesh, by the flags passed to [`Apply::apply`].
-#[inline]
-pub(crate) fn is_done(state: &[u8], refinement: u32) -> bool {
-    state[refinement as usize] & DONE != 0
 }

@@ -86,11 +86,23 @@ impl Dirty {
         } else if of.end >= 64 * self.used.end {
             self.used.end = of.start.div_ceil(64);
         }
+        if self.used.is_empty() {
+            self.used = 0..0;
+        }
+    }
+
+    /// Gives back memory, if `count` elements are a small part of those there was room for.
+    pub(crate) fn trim(&mut self, count: usize) {
+        let used = count.div_ceil(64).max(self.used.end);
+        if self.words.len() > 4 * used + 32 {
+            self.words.truncate(used);
+            self.words.shrink_to_fit();
+        }
     }
 
     /// Bytes held by the marks.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.words[..])
+        self.words.capacity() * size_of::<u64>()
     }
 }
 
@@ -219,6 +231,9 @@ mod tests {
             } else {
                 dirty.mark(at as u32);
                 expected[at] = true;
+            }
+            if random(9) == 0 {
+                dirty.trim(random(900));
             }
             let marked = (0..expected.len()).filter(|&element| expected[element]);
             assert!(dirty.ranges(expected.len(), 0).flatten().eq(marked));

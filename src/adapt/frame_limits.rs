@@ -6,6 +6,7 @@ use super::budget::Budget;
 use super::change::Change;
 use super::cut::Cut;
 use super::refinements::Refinements;
+use super::states::States;
 use super::transitions::{Limits, RefinementSink, Transitions};
 use super::weights::Weights;
 
@@ -21,7 +22,7 @@ pub(crate) struct FrameLimits {
 impl FrameLimits {
     /// Starts with the cut shown, in `triangles` triangles. `moves`: whether vertices may move.
     pub fn new<R: Refinements + ?Sized>(of: &R, cut: &Cut<R::Bounds>, triangles: usize, moves: bool) -> Self {
-        let transitions = Transitions::new(of, |r| cut.holds(r), triangles, moves);
+        let transitions = Transitions::new(of, cut.refinements(), triangles, moves);
         Self { operations: usize::MAX, triangles: usize::MAX, budget: None, transitions }
     }
 
@@ -71,7 +72,7 @@ impl FrameLimits {
             Some(budget) => {
                 budget.update(cut, of, criterion, motion, cost, |r, comes| transitions.want(r, comes))
             }
-            None => cut.update(of, criterion, motion, &mut |_: &[u8], r, comes| {
+            None => cut.update(of, criterion, motion, &mut |_: &States, r, comes| {
                 transitions.want(r, comes);
                 true
             }),
@@ -99,6 +100,11 @@ impl FrameLimits {
     /// Shows all wanted refinements, at once.
     pub fn settle<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         settle(&mut self.transitions, of, sink);
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.transitions.trim();
     }
 
     /// Bytes of the arrays.

@@ -16,19 +16,13 @@
 
 use std::hint::black_box;
 
-use crate::mesh::NONE;
+use crate::geometry::paged::{trim, trim_to};
 use crate::view::{Answer, Criterion, Factors, Motion};
 
 use super::closure::may_come;
 use super::refinements::Refinements;
 use super::sleepers::Sleepers;
-
-/// Asked for by the view.
-pub(super) const ASKED: u8 = 1;
-/// In the mesh: asked for, or needed by a refinement in the mesh.
-pub(super) const DONE: u8 = 2;
-/// Not at the front until others arrive.
-const WAITS: u8 = 4;
+use super::states::{ASKED, NOWHERE, States, WAITS};
 
 /// Tests at a time.
 const BATCH: usize = 64;
@@ -41,7 +35,7 @@ pub(super) trait Changes {
     /// Called with some changes that are likely to come next.
     fn look_ahead(&mut self, changes: &[(u32, bool)]);
     /// Called with each change, in an order which keeps the set closed. If it returns `false`, the update stops.
-    fn change(&mut self, state: &mut [u8], r: u32, asked: bool) -> bool;
+    fn change(&mut self, states: &mut States, r: u32, asked: bool) -> bool;
 }
 
 /// A refinement at the front.
@@ -54,10 +48,8 @@ struct Node<B> {
 
 #[derive(Debug, Clone)]
 pub(super) struct Front<B> {
-    /// Flags of every refinement.
-    pub state: Vec<u8>,
-    /// Per refinement, its place in the front, or `NONE`.
-    place: Vec<u32>,
+    /// Flags of every refinement, and its place in the front.
+    pub states: States,
     /// Per place, the refinement and how long its answer holds.
     nodes: Vec<Node<B>>,
     sleepers: Sleepers,
@@ -83,11 +75,11 @@ pub(super) struct Front<B> {
 }
 
 impl<B: Copy> Front<B> {
-    /// Creates an empty set without answers. `size` is the object's size, object units.
-    pub fn new(count: usize, size: f64) -> Self {
+    /// Creates an empty set without answers. `size` is the object's size, object units. `dependencies`: whether any refinement has
+    /// dependencies besides its parents.
+    pub fn new(count: usize, size: f64, dependencies: bool) -> Self {
         Self {
-            state: vec![0; count],
-            place: vec![NONE; count],
+            states: States::new(count, dependencies),
             nodes: Vec::new(),
             sleepers: Sleepers::new(size),
             started: false,
@@ -134,7 +126,18 @@ impl<B: Copy> Front<B> {
             }
             self.test_due(criterion);
         }
+        self.states.sweep();
         true
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.states.trim();
+        let Self { nodes, sleepers, due, new, work, .. } = self;
+        trim(nodes);
+        sleepers.trim();
+        [due, new].into_iter().for_each(|list| trim_to(list, nodes.len()));
+        trim_to(work, nodes.len());
     }
 
     /// Makes changes, until one of them stops the update. Returns whether none did.
@@ -156,7 +159,7 @@ impl<B: Copy> Front<B> {
                 continue;
             }
             self.toggle(of, r);
-            if !changes.change(&mut self.state, r, asked) {
+            if !changes.change(&mut self.states, r, asked) {
                 return false;
             }
         }
@@ -168,7 +171,7 @@ impl<B: Copy> Front<B> {
         if R::PARTIAL {
             return;
         }
-        let Self { near, place, state, .. } = self;
+        let Self { near, states, .. } = self;
         near.clear();
         for &(r, asked) in changes {
             if asked {
@@ -179,10 +182,10 @@ impl<B: Copy> Front<B> {
         }
         let mut sum = 0;
         for &n in near.iter() {
-            sum ^= place[n as usize];
+            sum ^= states.place(n);
             black_box(of.bounds(n));
             for other in of.parents(n).chain(of.children(n)) {
-                sum ^= u32::from(state[other as usize]);
+                sum ^= states.place(other);
             }
         }
         black_box(sum);
@@ -190,10 +193,10 @@ impl<B: Copy> Front<B> {
 
     /// Asks about the places due and about what is new at the front, and notes other answers than before.
     fn test_due<C: Criterion<B> + ?Sized>(&mut self, criterion: &C) {
-        let Self { nodes, place, sleepers, due, new, bounds, work, .. } = self;
+        let Self { nodes, states, sleepers, due, new, bounds, work, .. } = self;
         let mut answers = [Answer::NEVER; BATCH];
         // Some may have left again.
-        due.extend(new.drain(..).map(|r| place[r as usize]).filter(|&place| place != NONE));
+        due.extend(new.drain(..).map(|r| states.place(r)).filter(|&place| place != NOWHERE));
         let before = work.len();
         for due in due.chunks(BATCH) {
             bounds.clear();
@@ -223,10 +226,9 @@ impl<B: Copy> Front<B> {
             return false;
         }
         // What comes from outside may be contradictory: parents that would not know of it would leave without it.
-        let knows = |parent: u32| {
-            self.state[parent as usize] & ASKED != 0 && of.children(parent).any(|child| child == r)
-        };
-        of.parents(r).all(knows) && may_come(of, &self.state, r)
+        let knows =
+            |parent: u32| self.states.has(parent, ASKED) && of.children(parent).any(|child| child == r);
+        of.parents(r).all(knows) && may_come(of, &self.states, r)
     }
 
     /// Asks for a refinement at the front, or no longer, where all answers are forgotten.
@@ -237,9 +239,9 @@ impl<B: Copy> Front<B> {
 
     /// Asks for a refinement at the front, or no longer.
     fn toggle<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) {
-        let asked = self.state[r as usize] & ASKED == 0;
-        self.state[r as usize] ^= ASKED;
-        self.nodes[self.place[r as usize] as usize].asked = asked;
+        let asked = !self.states.has(r, ASKED);
+        let place = self.states.ask(r, asked);
+        self.nodes[place as usize].asked = asked;
         // Refinements on one side leave the front, refinements on the other may come to it.
         if asked {
             of.parents(r).for_each(|parent| self.leave(parent));
@@ -257,11 +259,11 @@ impl<B: Copy> Front<B> {
     /// Adds a refinement to the front if it belongs there.
     #[inline]
     fn enter<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) {
-        if self.place[r as usize] != NONE || !self.belongs(of, r) {
+        if self.states.place(r) != NOWHERE || !self.belongs(of, r) {
             return;
         }
-        self.place[r as usize] = self.nodes.len() as u32;
-        let asked = self.state[r as usize] & ASKED != 0;
+        self.states.move_to(r, self.nodes.len() as u32);
+        let asked = self.states.has(r, ASKED);
         self.nodes.push(Node { refinement: r, asked, bounds: of.bounds(r) });
         self.sleepers.push();
         self.new.push(r);
@@ -270,11 +272,10 @@ impl<B: Copy> Front<B> {
     /// Whether a refinement is on the rim or the fringe, and waits for nothing.
     #[inline]
     fn belongs<R: Refinements<Bounds = B> + ?Sized>(&mut self, of: &R, r: u32) -> bool {
-        let state = self.state[r as usize];
-        if state & ASKED != 0 {
-            return !of.children(r).any(|child| self.state[child as usize] & ASKED != 0);
+        if self.states.has(r, ASKED) {
+            return !of.children(r).any(|child| self.states.has(child, ASKED));
         }
-        if R::PARTIAL && state & WAITS != 0 {
+        if R::PARTIAL && self.states.has(r, WAITS) {
             return false;
         }
         if R::PARTIAL && !of.available(r) {
@@ -282,27 +283,28 @@ impl<B: Copy> Front<B> {
             self.wait(r);
             return false;
         }
-        of.parents(r).all(|parent| self.state[parent as usize] & ASKED != 0)
+        of.parents(r).all(|parent| self.states.has(parent, ASKED))
     }
 
     /// Takes a refinement away from the front, if it is there.
     #[inline]
     fn leave(&mut self, r: u32) {
-        let place = std::mem::replace(&mut self.place[r as usize], NONE);
-        if place == NONE {
+        let place = self.states.place(r);
+        if place == NOWHERE {
             return;
         }
+        self.states.move_to(r, NOWHERE);
         self.nodes.swap_remove(place as usize);
         self.sleepers.swap_remove(place as usize);
         if let Some(moved) = self.nodes.get(place as usize) {
-            self.place[moved.refinement as usize] = place;
+            self.states.move_to(moved.refinement, place);
         }
     }
 
     /// Takes a refinement away from the front until others arrive.
     fn wait(&mut self, r: u32) {
         self.leave(r);
-        self.state[r as usize] |= WAITS;
+        self.states.set(r, WAITS);
         self.waiting.push(r);
     }
 
@@ -322,7 +324,7 @@ impl<B: Copy> Front<B> {
         if std::mem::take(&mut self.arrived) || all {
             let waiting = std::mem::take(&mut self.waiting);
             for &r in &waiting {
-                self.state[r as usize] &= !WAITS;
+                self.states.unset(r, WAITS);
             }
             for r in waiting {
                 self.enter(of, r);
@@ -364,15 +366,15 @@ impl<B: Copy> Front<B> {
     /// Returns whether a refinement at the front is asked for; `None` if it is not at the front.
     #[inline]
     pub fn asked_at(&self, r: u32) -> Option<bool> {
-        self.nodes.get(self.place[r as usize] as usize).map(|node| node.asked)
+        self.nodes.get(self.states.place(r) as usize).map(|node| node.asked)
     }
 
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
-        self.state.len()
-            + size_of_val(&self.place[..])
-            + size_of_val(&self.nodes[..])
-            + size_of_val(&self.waiting[..])
+        self.states.memory()
+            + self.nodes.capacity() * size_of::<Node<B>>()
+            + (self.due.capacity() + self.new.capacity() + self.waiting.capacity()) * size_of::<u32>()
+            + self.work.capacity() * size_of::<(u32, bool)>()
             + self.sleepers.memory()
     }
 }

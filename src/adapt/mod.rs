@@ -5,6 +5,7 @@
 //! | `refinements.rs` | [`Refinements`]: a structure, as seen by the cut |
 //! | `front.rs` | refinements asked for by a view, updated by testing only refinements with answers due |
 //! | `sleepers.rs` | how long each answer holds: by place, and by block of places |
+//! | `states.rs` | per refinement: whether it is asked for and in the mesh, and its place in the front |
 //! | `closure.rs` | the smallest closed set containing all refinements asked for |
 //! | `cut.rs` | [`Cut`]: front and closure together |
 //! | `budget.rs` | a cut within a number of triangles: the most urgent refinements, by two heaps over rim and fringe |
@@ -29,6 +30,7 @@ mod front;
 mod geomorph;
 mod refinements;
 mod sleepers;
+mod states;
 mod tolerance;
 mod transitions;
 mod urgency;
@@ -36,12 +38,13 @@ mod weights;
 
 pub use blend::Blend;
 pub use change::Change;
-pub(crate) use cut::{Apply, is_done};
+pub(crate) use cut::Apply;
 pub use cut::{Cut, CutReport};
 pub use dirty::{Dirty, DirtyRanges};
 pub(crate) use frame_limits::FrameLimits;
 pub use geomorph::Geomorph;
 pub use refinements::Refinements;
+pub(crate) use states::States;
 pub(crate) use tolerance::Tolerance;
 pub(crate) use transitions::RefinementSink;
 #[cfg(feature = "stream")]

@@ -10,6 +10,7 @@
 //! Two odometers run: the distance moved and the angle turned. A frame reads two numbers a block, and three numbers a place of the
 //! blocks awake.
 
+use crate::geometry::paged::trim;
 use crate::view::{Answer, Motion};
 
 /// Places in a block.
@@ -240,8 +241,16 @@ impl Sleepers {
         self.imprecise = false;
     }
 
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        trim(&mut self.per_distance);
+        trim(&mut self.per_angle);
+        trim(&mut self.due_at);
+        trim(&mut self.sleeps_until);
+    }
+
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
-        3 * size_of_val(&self.due_at[..]) + size_of_val(&self.sleeps_until[..])
+        3 * self.due_at.capacity() * size_of::<f32>() + self.sleeps_until.capacity() * size_of::<[f64; 2]>()
     }
 }

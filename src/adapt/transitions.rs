@@ -12,6 +12,8 @@
 
 use std::collections::VecDeque;
 
+use crate::geometry::paged::Paged;
+
 use super::refinements::Refinements;
 use super::weights::{Transition, Weights};
 
@@ -64,11 +66,11 @@ const NOTED: u8 = 64;
 
 #[derive(Debug, Clone)]
 pub(crate) struct Transitions {
-    state: Vec<u8>,
+    state: Paged<u8, 9>,
     /// Per refinement, how many shown refinements build on it (`held`), and how many of them are closing (`closing`, empty
     /// without moving vertices).
-    held: Vec<u32>,
-    closing: Vec<u32>,
+    held: Paged<u32, 9>,
+    closing: Paged<u32, 9>,
     weights: Weights,
     coming: VecDeque<u32>,
     going: VecDeque<u32>,
@@ -85,15 +87,15 @@ impl Transitions {
     /// Starts with a set both shown and wanted, in `triangles` triangles. `moves`: whether there may be transitions.
     pub fn new<R: Refinements + ?Sized>(
         of: &R,
-        shown: impl Fn(u32) -> bool,
+        shown: impl Iterator<Item = u32>,
         triangles: usize,
         moves: bool,
     ) -> Self {
         let count = of.len();
         let mut transitions = Self {
-            state: vec![0; count],
-            held: vec![0; count],
-            closing: if moves { vec![0; count] } else { Vec::new() },
+            state: Paged::of(count, 0),
+            held: Paged::of(count, 0),
+            closing: Paged::of(if moves { count } else { 0 }, 0),
             weights: Weights::new(count, moves),
             coming: VecDeque::new(),
             going: VecDeque::new(),
@@ -104,15 +106,15 @@ impl Transitions {
             splits: 0,
             collapses: 0,
         };
-        for r in (0..count as u32).filter(|&r| shown(r)) {
-            transitions.state[r as usize] = SHOWN | WANTED | AIM;
-            of.parents(r).chain(of.dependencies(r)).for_each(|n| transitions.held[n as usize] += 1);
+        for r in shown {
+            *transitions.state.entry(r) = SHOWN | WANTED | AIM;
+            of.parents(r).chain(of.dependencies(r)).for_each(|n| *transitions.held.entry(n) += 1);
         }
         transitions
     }
 
     pub fn shows(&self, r: u32) -> bool {
-        self.state.get(r as usize).is_some_and(|state| state & SHOWN != 0)
+        self.state.get(r) & SHOWN != 0
     }
 
     /// Number of refinements either shown or wanted, but not both.
@@ -131,12 +133,20 @@ impl Transitions {
     }
 
     fn is(&self, r: u32, flag: u8) -> bool {
-        self.state[r as usize] & flag != 0
+        self.state.at(r) & flag != 0
+    }
+
+    fn set(&mut self, r: u32, flag: u8) {
+        *self.state.entry(r) |= flag;
+    }
+
+    fn unset(&mut self, r: u32, flag: u8) {
+        *self.state.entry(r) &= !flag;
     }
 
     fn call(&mut self, r: u32, queue: u8) {
         if !self.is(r, queue) {
-            self.state[r as usize] |= queue;
+            self.set(r, queue);
             if queue == COMING { &mut self.coming } else { &mut self.going }.push_back(r);
         }
     }
@@ -144,24 +154,23 @@ impl Transitions {
     /// Records a refinement as wanted, or as no longer wanted. Only the state at the next call of [`Transitions::run`]
     /// counts; the wanted set must then be closed.
     pub fn want(&mut self, r: u32, wanted: bool) {
-        let state = &mut self.state[r as usize];
-        *state = if wanted { *state | WANTED } else { *state & !WANTED };
+        let state = self.state.entry(r);
         if *state & NOTED == 0 {
-            *state |= NOTED;
             self.noted.push(r);
         }
+        *state = if wanted { *state | WANTED } else { *state & !WANTED } | NOTED;
     }
 
     /// Applies the recorded wishes.
     fn take_in<R: Refinements + ?Sized>(&mut self, of: &R, sink: &mut impl RefinementSink) {
         for at in 0..self.noted.len() {
             let r = self.noted[at];
-            self.state[r as usize] &= !NOTED;
+            self.unset(r, NOTED);
             let wanted = self.is(r, WANTED);
             if wanted == self.is(r, AIM) {
                 continue;
             }
-            self.state[r as usize] ^= AIM;
+            *self.state.entry(r) ^= AIM;
             if self.is(r, SHOWN) == wanted {
                 self.pending -= 1;
             } else {
@@ -169,8 +178,8 @@ impl Transitions {
                 self.call(r, if wanted { COMING } else { GOING });
             }
             if wanted && self.is(r, CLOSING) {
-                self.state[r as usize] &= !CLOSING;
-                of.parents(r).chain(of.dependencies(r)).for_each(|n| self.closing[n as usize] -= 1);
+                self.unset(r, CLOSING);
+                of.parents(r).chain(of.dependencies(r)).for_each(|n| *self.closing.entry(n) -= 1);
                 self.weights.start(r, 0.0, 1.0);
                 sink.turn(r);
             }
@@ -215,6 +224,10 @@ impl Transitions {
                 break;
             }
         }
+        let Self { state, held, closing, weights, .. } = self;
+        [held, closing].into_iter().for_each(Paged::sweep);
+        state.sweep();
+        weights.sweep();
         (self.splits, self.collapses)
     }
 
@@ -235,17 +248,17 @@ impl Transitions {
             return false;
         }
         let Some(r) = self.going.pop_front() else { return false };
-        self.state[r as usize] &= !GOING;
+        self.unset(r, GOING);
         if self.is(r, WANTED) || !self.is(r, SHOWN) {
             return true;
         }
-        let held = self.held[r as usize];
+        let held = self.held.at(r);
         let closed = self.is(r, CLOSING) && self.weights.of(r).is_none_or(Transition::is_over);
         if closed || !self.is(r, CLOSING) && (!limits.smooth || held == 0 && !sees(r)) {
             if held == 0 {
                 self.coarsen(of, r, sink);
             }
-        } else if !self.is(r, CLOSING) && held == self.closing[r as usize] {
+        } else if !self.is(r, CLOSING) && held == self.closing.at(r) {
             self.close(of, r, sink);
         }
         true
@@ -254,34 +267,34 @@ impl Transitions {
     fn coarsen<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
         let was_closing = self.is(r, CLOSING);
         self.weights.end(r);
-        self.state[r as usize] &= !(SHOWN | CLOSING);
+        self.unset(r, SHOWN | CLOSING);
         self.collapses += 1;
         self.pending -= 1;
         self.triangles -= sink.cost(r);
         sink.coarsen(r);
         for n in of.parents(r).chain(of.dependencies(r)) {
-            self.held[n as usize] -= 1;
+            *self.held.entry(n) -= 1;
             if was_closing {
-                self.closing[n as usize] -= 1;
+                *self.closing.entry(n) -= 1;
             }
             self.call_if_free(n);
         }
     }
 
     fn close<R: Refinements + ?Sized>(&mut self, of: &R, r: u32, sink: &mut impl RefinementSink) {
-        self.state[r as usize] |= CLOSING;
+        self.set(r, CLOSING);
         self.weights.start(r, 1.0, 0.0);
         sink.turn(r);
         for n in of.parents(r).chain(of.dependencies(r)) {
-            self.closing[n as usize] += 1;
+            *self.closing.entry(n) += 1;
             self.call_if_free(n);
         }
     }
 
     /// Queues an unwanted refinement to go, if all shown refinements building on it are closing.
     fn call_if_free(&mut self, r: u32) {
-        let closing = self.closing.get(r as usize).copied().unwrap_or(0);
-        if !self.is(r, WANTED) && self.held[r as usize] == closing {
+        let closing = self.closing.get(r);
+        if !self.is(r, WANTED) && self.held.at(r) == closing {
             self.call(r, GOING);
         }
     }
@@ -306,8 +319,7 @@ impl Transitions {
             if !ready {
                 self.stack.push((r, true));
                 let Self { state, stack, .. } = self;
-                let missing =
-                    of.parents(r).chain(of.dependencies(r)).filter(|&n| state[n as usize] & SHOWN == 0);
+                let missing = of.parents(r).chain(of.dependencies(r)).filter(|&n| state.at(n) & SHOWN == 0);
                 stack.extend(missing.map(|n| (n, false)));
             } else if self.is_spent(limits) || self.triangles + sink.cost(r) > limits.triangles {
                 self.stack.clear();
@@ -317,7 +329,7 @@ impl Transitions {
             }
         }
         self.coming.pop_front();
-        self.state[first as usize] &= !COMING;
+        self.unset(first, COMING);
         true
     }
 
@@ -328,24 +340,33 @@ impl Transitions {
         smoothly: bool,
         sink: &mut impl RefinementSink,
     ) {
-        self.state[r as usize] |= SHOWN;
+        self.set(r, SHOWN);
         self.splits += 1;
         self.pending -= 1;
         self.triangles += sink.cost(r);
-        of.parents(r).chain(of.dependencies(r)).for_each(|n| self.held[n as usize] += 1);
+        of.parents(r).chain(of.dependencies(r)).for_each(|n| *self.held.entry(n) += 1);
         let state = &self.state;
-        sink.refine(r, smoothly, |other| state[other as usize] & SHOWN != 0);
+        sink.refine(r, smoothly, |other| state.at(other) & SHOWN != 0);
         if smoothly {
             self.weights.start(r, 0.0, 1.0);
         }
     }
 
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        let Self { state, held, closing, weights, coming, going, .. } = self;
+        [held, closing].into_iter().for_each(Paged::trim);
+        state.trim();
+        weights.trim();
+        [coming, going].into_iter().filter(|queue| queue.is_empty()).for_each(VecDeque::shrink_to_fit);
+    }
+
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         let queues = self.coming.capacity() + self.going.capacity();
-        self.state.len()
-            + size_of_val(&self.held[..])
-            + size_of_val(&self.closing[..])
+        self.state.memory()
+            + self.held.memory()
+            + self.closing.memory()
             + self.weights.memory()
             + queues * size_of::<u32>()
     }

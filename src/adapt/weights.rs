@@ -7,6 +7,7 @@
 //!
 //! A refinement which turns round starts anew from its current weight, so nothing jumps.
 
+use crate::geometry::paged::{Paged, trim};
 use crate::mesh::NONE;
 
 /// A refinement on its way in or out.
@@ -41,19 +42,19 @@ impl Transition {
 /// The transitions of an instance. Refinements in none have weight 1 if shown, else 0.
 #[derive(Debug, Clone)]
 pub(crate) struct Weights {
-    /// Per refinement its transition, or `NONE`; empty if vertices do not move.
-    transition_of: Vec<u32>,
+    /// Per refinement its transition, or `NONE`; without elements if vertices do not move.
+    transition_of: Paged<u32, 9>,
     transitions: Vec<Transition>,
 }
 
 /// No transitions.
-pub(crate) static AT_REST: Weights = Weights { transition_of: Vec::new(), transitions: Vec::new() };
+pub(crate) static AT_REST: Weights = Weights { transition_of: Paged::new(NONE), transitions: Vec::new() };
 
 impl Weights {
     /// Starts without transitions. `moves`: whether there may be any.
     pub fn new(refinements: usize, moves: bool) -> Self {
         let count = if moves { refinements } else { 0 };
-        Self { transition_of: vec![NONE; count], transitions: Vec::new() }
+        Self { transition_of: Paged::of(count, NONE), transitions: Vec::new() }
     }
 
     pub fn len(&self) -> usize {
@@ -69,7 +70,7 @@ impl Weights {
     /// Returns the transition of a refinement; `None` at rest.
     #[inline]
     pub fn of(&self, r: u32) -> Option<&Transition> {
-        self.transitions.get(*self.transition_of.get(r as usize)? as usize)
+        self.transitions.get(self.transition_of.get(r) as usize)
     }
 
     /// Advances all transitions by a share of their way.
@@ -82,9 +83,9 @@ impl Weights {
     /// Starts a transition between weights. A refinement in transition starts anew from its current weight, not from
     /// `from`.
     pub(super) fn start(&mut self, r: u32, from: f32, to: f32) {
-        match self.transition_of[r as usize] {
+        match self.transition_of.at(r) {
             NONE => {
-                self.transition_of[r as usize] = self.transitions.len() as u32;
+                *self.transition_of.entry(r) = self.transitions.len() as u32;
                 self.transitions.push(Transition { refinement: r, from, to, share: 0.0 });
             }
             at => {
@@ -96,18 +97,29 @@ impl Weights {
 
     /// Removes a refinement's transition, if any.
     pub(super) fn end(&mut self, r: u32) {
-        let Some(at) = self.transition_of.get_mut(r as usize) else { return };
-        let at = std::mem::replace(at, NONE);
+        let at = self.transition_of.get(r);
         if at != NONE {
+            self.transition_of.rest(r);
             self.transitions.swap_remove(at as usize);
             if let Some(moved) = self.transitions.get(at as usize) {
-                self.transition_of[moved.refinement as usize] = at;
+                *self.transition_of.entry(moved.refinement) = at;
             }
         }
     }
 
+    /// Looks for pages without transitions.
+    pub(super) fn sweep(&mut self) {
+        self.transition_of.sweep();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub(super) fn trim(&mut self) {
+        self.transition_of.trim();
+        trim(&mut self.transitions);
+    }
+
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.transition_of[..]) + size_of_val(&self.transitions[..])
+        self.transition_of.memory() + size_of_val(&self.transitions[..])
     }
 }

@@ -12,12 +12,15 @@
 //! Factors, not limits of each instance (`LodOptions::triangles`): an instance that is at its limit weighs refinements against each
 //! other, by urgency, all along its cut. A factor only asks the refinements near the tolerance again, and all others sleep on.
 
+use crate::geometry::parallel;
 use crate::lod::Lod;
 use crate::view::ObjectView;
 
 use super::error::{ControlError, check};
 use super::estimate::Estimate;
 
+/// Instances that a core takes at least.
+const AT_LEAST: usize = 16;
 /// Shares of the budget: below `ROOM`, the factor falls until `AIM` is reached.
 const ROOM: f64 = 0.93;
 const AIM: f64 = 0.965;
@@ -220,7 +223,7 @@ impl SceneBudget {
         self.factor
     }
 
-    /// Sets the factor, adapts all instances to their views, and advances geomorphs by `seconds`.
+    /// Sets the factor, adapts all instances to their views, on all cores with feature `parallel`, and advances geomorphs by `seconds`.
     pub fn adapt(&mut self, objects: &mut [SceneObject<'_>], seconds: f32) -> SceneReport {
         let limit = self.options.triangles;
         let aim = (AIM * limit as f64) as usize;
@@ -293,10 +296,8 @@ impl SceneBudget {
 /// Sums two counts over all instances.
 fn pass(
     objects: &mut [SceneObject<'_>],
-    mut each: impl FnMut(&mut SceneObject<'_>) -> [usize; 2],
+    each: impl Fn(&mut SceneObject<'_>) -> [usize; 2] + Sync + Send,
 ) -> [usize; 2] {
-    objects.iter_mut().fold([0; 2], |sums: [usize; 2], object| {
-        let counts = each(object);
-        [0, 1].map(|i| sums[i].saturating_add(counts[i]))
-    })
+    let add = |a: [usize; 2], b: [usize; 2]| [0, 1].map(|i| a[i].saturating_add(b[i]));
+    parallel::sum_mut(objects, AT_LEAST, [0; 2], each, add)
 }

@@ -11,6 +11,7 @@
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
 //! | `rounding.rs` | single precision, rounded up |
+//! | `paged.rs` | arrays in which most elements are alike: memory follows the others |
 //! | `lists.rs` | lists in two flat arrays, by counting, prefix sum and filling |
 //! | `sets.rs` | disjoint sets |
 //! | `hash.rs` | hashes identical on every machine |
@@ -24,6 +25,7 @@ pub(crate) mod crossing;
 pub(crate) mod hash;
 pub(crate) mod lanes;
 pub(crate) mod lists;
+pub(crate) mod paged;
 pub(crate) mod parallel;
 pub(crate) mod rounding;
 pub(crate) mod sectors;

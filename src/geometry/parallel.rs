@@ -46,6 +46,39 @@ pub(crate) fn map_items<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + 
     }
 }
 
+/// Calls `work` for every item, which may change. A core takes at least `least` items.
+pub(crate) fn map_mut<I: Send, T: Send>(
+    items: &mut [I],
+    least: usize,
+    work: impl Fn(&mut I) -> T + Sync + Send,
+) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    {
+        items.par_iter_mut().with_min_len(least).map(work).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = least;
+        items.iter_mut().map(work).collect()
+    }
+}
+
+/// Calls `work` for every item, which may change, and adds up the results, in any order. A core takes at least `least` items.
+pub(crate) fn sum_mut<I: Send, T: Send + Sync + Copy>(
+    items: &mut [I],
+    least: usize,
+    zero: T,
+    work: impl Fn(&mut I) -> T + Sync + Send,
+    add: impl Fn(T, T) -> T + Sync + Send,
+) -> T {
+    #[cfg(feature = "parallel")]
+    if items.len() > least {
+        return items.par_iter_mut().with_min_len(least).map(work).reduce(|| zero, add);
+    }
+    let _ = least;
+    items.iter_mut().map(work).fold(zero, add)
+}
+
 /// Calls `work` for every chunk of `size` of `0..count`; results in order of the chunks.
 #[cfg(feature = "quality")]
 pub(crate) fn map_chunks<T: Send>(

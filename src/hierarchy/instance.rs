@@ -96,8 +96,8 @@ impl<V: Vertex> HierarchyLod<V> {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
         driver.set_options(hierarchy, options, &mut Sink { hierarchy, surface, vertices }, |cut| {
-            let splits = (0..hierarchy.split_count() as u32).filter(|&split| cut.holds(split));
-            hierarchy.base_triangle_count() + splits.map(|split| hierarchy.owned(split).len()).sum::<usize>()
+            hierarchy.base_triangle_count()
+                + cut.refinements().map(|split| hierarchy.owned(split).len()).sum::<usize>()
         });
     }
 
@@ -114,6 +114,21 @@ impl<V: Vertex> HierarchyLod<V> {
         self.vertices = Vertices::new(values, &self.surface, mix, options.buffer == VertexBuffer::Shared);
         self.surface.clean_vertices();
         self.invalidate();
+    }
+
+    /// Writes the vertices that changed.
+    fn write(&mut self) {
+        let Self { surface, vertices, .. } = self;
+        vertices.write(surface);
+        surface.sweep();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    fn trim(&mut self) {
+        let Self { driver, surface, vertices, .. } = self;
+        driver.trim();
+        surface.trim();
+        vertices.trim(surface);
     }
 
     /// Returns the structure.
@@ -169,19 +184,28 @@ impl<V: Vertex> HierarchyLod<V> {
         let diagonal = hierarchy.diagonal();
         let cost = |split: u32, _| hierarchy.owned(split).len();
         let change = driver.adapt_by(hierarchy, (criterion, motion, seconds, diagonal), &mut sink, cost);
-        self.vertices.write(&mut self.surface);
+        self.write();
         change
     }
 }
 
 impl<V: Vertex> Lod for HierarchyLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        if let Some((change, waited)) = self.driver.at_rest(views) {
+            if waited {
+                self.trim();
+            }
+            return change;
+        }
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         let hierarchy = &**hierarchy;
         let mut sink = Sink { hierarchy, surface, vertices };
         let cost = |split: u32, _| hierarchy.owned(split).len();
         let change = driver.adapt(hierarchy, (views, seconds, hierarchy.diagonal()), &mut sink, cost);
-        self.vertices.write(&mut self.surface);
+        self.write();
+        if self.driver.waited(&change) {
+            self.trim();
+        }
         change
     }
 
@@ -194,7 +218,7 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
     fn settle(&mut self) {
         let Self { hierarchy, driver, surface, vertices, .. } = self;
         driver.settle(&**hierarchy, &mut Sink { hierarchy, surface, vertices });
-        self.vertices.write(&mut self.surface);
+        self.write();
     }
 
     fn options(&self) -> &LodOptions {
@@ -209,7 +233,7 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
             self.rebuild(mix, options);
         }
         self.apply(options);
-        self.vertices.write(&mut self.surface);
+        self.write();
         Ok(())
     }
 
@@ -222,8 +246,7 @@ impl<V: Vertex> Lod for HierarchyLod<V> {
     }
 
     fn refinements(&self) -> usize {
-        let splits = 0..self.hierarchy.split_count() as u32;
-        splits.filter(|&split| self.cut().holds(split)).count()
+        self.cut().refinements().count()
     }
 
     fn groups(&self) -> usize {

@@ -39,29 +39,26 @@ impl CutSurface {
         let (mut moving, mut others, mut places) = (Reads::new(), Reads::new(), Reads::new());
         let mut sum = 0;
         for &(split, comes) in changes {
-            hierarchy.brought(split).for_each(|[vertex, to, _]| moving.push(if comes { to } else { vertex }));
+            hierarchy
+                .brought(split)
+                .for_each(|[vertex, to, _]| moving.push(output.name(if comes { to } else { vertex })));
             for triangle in hierarchy.owned(split) {
-                let at = output.place[triangle as usize];
+                let at = output.place.at(triangle);
                 if comes {
                     let vertices = hierarchy.leaves(triangle);
                     sum ^= vertices.iter().fold(0, |sum, &leaf| sum ^ hierarchy.split_of[leaf as usize]);
                 } else if let Some(names) =
                     output.groups[hierarchy.group_of(triangle)].indices.get(at as usize)
                 {
-                    match &output.packed {
-                        Some(packed) => {
-                            names.iter().for_each(|&slot| others.push(packed.vertices()[slot as usize]))
-                        }
-                        None => names.iter().for_each(|&vertex| others.push(vertex)),
-                    }
+                    names.iter().for_each(|&name| others.push(name));
                 }
             }
         }
-        for vertex in moving.iter() {
-            stars.of(vertex).iter().for_each(|[corner, _]| places.push(output.place[(corner / 3) as usize]));
+        for name in moving.iter() {
+            stars.of(name).iter().for_each(|[corner, _]| places.push(output.place.at(corner / 3)));
         }
-        for vertex in others.iter() {
-            sum ^= stars.of(vertex).first().map_or(0, |[corner, _]| *corner);
+        for name in others.iter() {
+            sum ^= stars.of(name).first().map_or(0, |[corner, _]| *corner);
         }
         if let [group] = &output.groups[..] {
             for at in places.iter() {

@@ -1,10 +1,11 @@
-//! The corners around every active vertex. Each star is a run in a pool.
+//! The corners around every vertex in use, by the name of the vertex. Each star is a run in a pool.
 //!
 //! A run has room for a power of two. Freed runs wait in a list for their size. So a star is read in memory order, and
-//! nothing allocates once the pool has reached its largest size.
+//! nothing allocates once the pool has reached its largest size. A pool that is mostly free is packed.
 
 use std::ops::Range;
 
+use crate::geometry::paged::Paged;
 use crate::mesh::NONE;
 
 /// A corner of a drawn triangle: `3 * triangle + k`, and its leaf at full resolution.
@@ -14,7 +15,7 @@ pub(super) type Entry = [u32; 2];
 const SMALLEST: u32 = 3;
 const SIZES: usize = 30;
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Run {
     start: u32,
     /// Number of entries, and in the highest five bits the size class.
@@ -29,6 +30,15 @@ pub(super) const MOST_CORNERS: usize = LEN as usize;
 impl Run {
     const EMPTY: Self = Self { start: NONE, len_class: 0 };
 
+    fn new(start: u32, len: usize, class: usize) -> Self {
+        Self { start, len_class: len as u32 | (class as u32) << 27 }
+    }
+
+    /// Returns where the entries of a run lie, which must not be empty.
+    fn range(self) -> Range<usize> {
+        self.start as usize..self.start as usize + self.len()
+    }
+
     fn len(self) -> usize {
         (self.len_class & LEN) as usize
     }
@@ -38,10 +48,13 @@ impl Run {
     }
 }
 
+/// The star of every name.
 #[derive(Debug, Clone)]
 pub(super) struct CornerStars {
-    runs: Vec<Run>,
+    runs: Paged<Run, 6>,
     pool: Vec<Entry>,
+    /// Room of all runs in use.
+    used: usize,
     /// First free run of every size. The first entry of a free run names the next.
     free: [u32; SIZES],
 }
@@ -50,29 +63,37 @@ fn room(class: usize) -> usize {
     1 << (class as u32 + SMALLEST)
 }
 
+/// Returns the class of the smallest run with room for so many entries.
+fn class_for(entries: usize) -> usize {
+    (0..SIZES).find(|&class| room(class) >= entries).unwrap_or(SIZES - 1)
+}
+
 impl CornerStars {
-    pub fn new(vertices: usize) -> Self {
-        Self { runs: vec![Run::EMPTY; vertices], pool: Vec::new(), free: [NONE; SIZES] }
+    /// Starts without corners, with room for names below `names`.
+    pub fn new(names: usize) -> Self {
+        Self { runs: Paged::of(names, Run::EMPTY), pool: Vec::new(), used: 0, free: [NONE; SIZES] }
     }
 
-    /// Makes room for vertices of numbers below `vertices`.
-    #[cfg(feature = "stream")]
-    pub fn reach(&mut self, vertices: usize) {
-        if self.runs.len() < vertices {
-            self.runs.resize(vertices, Run::EMPTY);
-        }
-    }
-
+    /// Makes room for a name.
     #[inline]
-    pub fn of(&self, vertex: u32) -> &[Entry] {
-        let run = self.runs[vertex as usize];
-        if run.start == NONE {
-            return &[];
-        }
-        &self.pool[run.start as usize..run.start as usize + run.len()]
+    pub fn reach(&mut self, name: u32) {
+        self.runs.reach(name as usize + 1);
+    }
+
+    /// Gives the star of a name to another name, which has none.
+    pub fn rename(&mut self, from: u32, to: u32) {
+        *self.runs.entry(to) = self.runs.rest(from);
+    }
+
+    /// Returns the corners of a star; none if there is no such name.
+    #[inline]
+    pub fn of(&self, name: u32) -> &[Entry] {
+        let run = self.runs.get(name);
+        if run.start == NONE { &[] } else { &self.pool[run.range()] }
     }
 
     fn take(&mut self, class: usize) -> u32 {
+        self.used += room(class);
         let head = self.free[class];
         if head != NONE {
             self.free[class] = self.pool[head as usize][0];
@@ -83,7 +104,7 @@ impl CornerStars {
             let start = self.free[larger];
             self.free[larger] = self.pool[start as usize][0];
             for smaller in class..larger {
-                self.give(start + room(smaller) as u32, smaller);
+                self.keep(start + room(smaller) as u32, smaller);
             }
             return start;
         }
@@ -92,44 +113,50 @@ impl CornerStars {
         start
     }
 
-    fn give(&mut self, start: u32, class: usize) {
+    /// Keeps a free run.
+    fn keep(&mut self, start: u32, class: usize) {
         self.pool[start as usize][0] = self.free[class];
         self.free[class] = start;
     }
 
+    fn give(&mut self, start: u32, class: usize) {
+        self.used -= room(class);
+        self.keep(start, class);
+    }
+
     #[inline]
-    pub fn push(&mut self, vertex: u32, entry: Entry) {
-        let run = self.runs[vertex as usize];
+    pub fn push(&mut self, name: u32, entry: Entry) {
+        let mut run = self.runs.at(name);
         let len = run.len();
         if run.start == NONE {
             let start = self.take(0);
             self.pool[start as usize] = entry;
-            self.runs[vertex as usize] = Run { start, len_class: 1 };
+            *self.runs.entry(name) = Run::new(start, 1, 0);
             return;
         }
         if len == room(run.class()) {
-            self.grow(vertex, run.class() + 1);
+            run = self.grow(run, run.class() + 1);
         }
-        let run = &mut self.runs[vertex as usize];
         self.pool[run.start as usize + len] = entry;
-        run.len_class += 1;
+        *self.runs.entry(name) = Run { len_class: run.len_class + 1, ..run };
     }
 
-    fn grow(&mut self, vertex: u32, class: usize) {
-        let run = self.runs[vertex as usize];
+    /// Moves entries to a larger run.
+    fn grow(&mut self, run: Run, class: usize) -> Run {
         let start = self.take(class);
-        self.pool.copy_within(run.start as usize..run.start as usize + run.len(), start as usize);
+        self.pool.copy_within(run.range(), start as usize);
         self.give(run.start, run.class());
-        self.runs[vertex as usize] = Run { start, len_class: run.len() as u32 | (class as u32) << 27 };
+        Run::new(start, run.len(), class)
     }
 
-    /// Removes the corners of a range from a star.
-    pub fn remove(&mut self, vertex: u32, corners: &Range<u32>) {
-        let run = self.runs[vertex as usize];
+    /// Removes the corners of a range from a star. Returns the number left.
+    pub fn remove(&mut self, name: u32, corners: &Range<u32>) -> usize {
+        let run = self.runs.at(name);
         let left = self.retain(run, corners);
         if left < run.len() {
-            self.shorten(vertex, left);
+            self.shorten(name, run, left);
         }
+        left
     }
 
     /// Moves the entries of a run outside a range of corners to its front. Returns their number.
@@ -137,7 +164,7 @@ impl CornerStars {
     fn retain(&mut self, run: Run, without: &Range<u32>) -> usize {
         let mut left = 0;
         if run.start != NONE {
-            let entries = &mut self.pool[run.start as usize..run.start as usize + run.len()];
+            let entries = &mut self.pool[run.range()];
             for at in 0..entries.len() {
                 let entry = entries[at];
                 entries[left] = entry;
@@ -148,39 +175,35 @@ impl CornerStars {
     }
 
     /// Shortens a run to its first `len` entries.
-    fn shorten(&mut self, vertex: u32, len: usize) {
-        let run = self.runs[vertex as usize];
+    fn shorten(&mut self, name: u32, run: Run, len: usize) {
+        let entry = self.runs.entry(name);
         if len == 0 {
+            *entry = Run::EMPTY;
             self.give(run.start, run.class());
-            self.runs[vertex as usize] = Run::EMPTY;
         } else {
-            self.runs[vertex as usize].len_class = len as u32 | (run.class() as u32) << 27;
+            *entry = Run::new(run.start, len, run.class());
         }
     }
 
-    /// Moves the corners with leaf `from` or higher to another star, which must be empty. Calls `moved` with each corner.
-    pub fn part(&mut self, vertex: u32, to: u32, from: u32, mut moved: impl FnMut(u32)) {
-        let run = self.runs[vertex as usize];
-        if run.start == NONE {
-            return;
-        }
+    /// Returns the number of corners with leaf `from` or higher.
+    #[inline]
+    pub fn count(&self, name: u32, from: u32) -> usize {
+        self.of(name).iter().filter(|entry| entry[1] >= from).count()
+    }
+
+    /// Moves the `goes` corners with leaf `from` or higher to another star, which must be empty. Calls `moved` with each corner.
+    pub fn part(&mut self, name: u32, to: u32, (from, goes): (u32, usize), mut moved: impl FnMut(u32)) {
+        let run = self.runs.at(name);
         let (start, len) = (run.start as usize, run.len());
-        let goes = self.pool[start..start + len].iter().filter(|entry| entry[1] >= from).count();
-        if goes == 0 {
-            return;
-        }
         if goes == len {
-            self.pool[start..start + len].iter().for_each(|entry| moved(entry[0]));
-            self.runs[to as usize] = run;
-            self.runs[vertex as usize] = Run::EMPTY;
+            self.pool[run.range()].iter().for_each(|entry| moved(entry[0]));
+            *self.runs.entry(to) = run;
+            self.runs.rest(name);
             return;
         }
-        let mut class = 0;
-        while room(class) < goes {
-            class += 1;
-        }
-        let target = self.take(class) as usize;
-        let (mut stay, mut go) = (start, target);
+        let class = class_for(goes);
+        let target = self.take(class);
+        let (mut stay, mut go) = (start, target as usize);
         for at in start..start + len {
             let entry = self.pool[at];
             if entry[1] >= from {
@@ -192,45 +215,50 @@ impl CornerStars {
                 stay += 1;
             }
         }
-        self.runs[to as usize] = Run { start: target as u32, len_class: goes as u32 | (class as u32) << 27 };
-        self.shorten(vertex, len - goes);
+        *self.runs.entry(to) = Run::new(target, goes, class);
+        self.shorten(name, run, len - goes);
     }
 
-    /// Moves all corners of a star to another star, except a range, which is dropped. Calls `moved` with each moved
-    /// corner.
-    pub fn join(&mut self, from: u32, to: u32, without: &Range<u32>, mut moved: impl FnMut(u32)) {
-        let len = self.retain(self.runs[from as usize], without);
-        if len < self.runs[from as usize].len() {
-            self.shorten(from, len);
-        }
-        if len == 0 {
-            return;
-        }
-        let run = self.runs[from as usize];
-        let start = run.start as usize;
-        self.pool[start..start + len].iter().for_each(|entry| moved(entry[0]));
-        let other = self.runs[to as usize];
+    /// Moves all corners of a star to another star. Calls `moved` with each corner.
+    pub fn join(&mut self, name: u32, to: u32, mut moved: impl FnMut(u32)) {
+        let run = self.runs.at(name);
+        self.pool[run.range()].iter().for_each(|entry| moved(entry[0]));
+        let other = self.runs.at(to);
         if other.start == NONE {
-            self.runs[to as usize] = run;
-            self.runs[from as usize] = Run::EMPTY;
+            *self.runs.entry(to) = run;
+            self.runs.rest(name);
             return;
         }
-        let all = other.len() + len;
-        let mut class = other.class();
-        while room(class) < all {
-            class += 1;
+        let class = class_for(other.len() + run.len()).max(other.class());
+        let joined = if class == other.class() { other } else { self.grow(other, class) };
+        self.pool.copy_within(run.range(), joined.range().end);
+        *self.runs.entry(to) = Run { len_class: joined.len_class + run.len() as u32, ..joined };
+        self.shorten(name, run, 0);
+    }
+
+    /// Looks for pages that are not in use.
+    pub fn sweep(&mut self) {
+        self.runs.sweep();
+    }
+
+    /// Gives back memory if most of it is not in use: stars are packed into a new pool.
+    pub fn trim(&mut self) {
+        self.runs.trim();
+        if self.pool.len() <= 4 * self.used + 512 {
+            return;
         }
-        if class != other.class() {
-            self.grow(to, class);
-        }
-        let run = &mut self.runs[to as usize];
-        let end = run.start as usize + run.len();
-        run.len_class += len as u32;
-        self.pool.copy_within(start..start + len, end);
-        self.shorten(from, 0);
+        let mut pool = Vec::with_capacity(2 * self.used);
+        self.runs.update_others(|run| {
+            let start = pool.len();
+            pool.extend_from_slice(&self.pool[run.range()]);
+            pool.resize(start + room(run.class()), [0; 2]);
+            Run { start: start as u32, ..run }
+        });
+        self.pool = pool;
+        self.free = [NONE; SIZES];
     }
 
     pub fn memory(&self) -> usize {
-        size_of_val(&self.runs[..]) + size_of_val(&self.pool[..])
+        self.runs.memory() + self.pool.capacity() * size_of::<Entry>()
     }
 }

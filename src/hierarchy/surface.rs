@@ -10,11 +10,12 @@
 //! numbered depth first, so a vertex takes exactly the leaves from its own number on.
 
 use crate::adapt::{Dirty, DirtyRanges};
+use crate::geometry::paged::{Paged, trim};
 use crate::mesh::NONE;
 
 use super::VertexHierarchy;
-use super::packed::Packed;
-use super::stars::CornerStars;
+use super::slots::Slots;
+use super::stars::{CornerStars, Entry};
 
 /// The splits and triangles that a surface is made of: of a hierarchy, or of the part of it that has arrived.
 pub(crate) trait SplitSource {
@@ -64,19 +65,21 @@ impl SplitSource for VertexHierarchy {
 pub struct CutSurface {
     pub(super) stars: CornerStars,
     pub(super) output: Output,
-    /// During a collapse, vertices which may have lost their last corner.
+    /// During a collapse, vertices which may have lost their last corner, and the vertices that go and their substitutes, with
+    /// their slots.
     loose: Vec<u32>,
+    moves: Vec<[[u32; 2]; 2]>,
 }
 
 /// The buffers to draw.
 #[derive(Debug, Clone)]
 pub(super) struct Output {
     /// Per triangle, its place in its group, or `NONE`.
-    pub place: Vec<u32>,
+    pub place: Paged<u32, 9>,
     /// A group per material.
     pub groups: Vec<Group>,
-    /// Slots of vertices in use; `None` if corners name vertices themselves.
-    pub packed: Option<Packed>,
+    /// Slots of vertices in use, by which corners name them; `None` if corners name vertices themselves.
+    pub slots: Option<Slots>,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -93,34 +96,34 @@ impl Output {
     fn write(&mut self, source: &impl SplitSource, corner: u32, name: u32) {
         let triangle = corner / 3;
         let group = &mut self.groups[source.group_of(triangle)];
-        let at = self.place[triangle as usize];
+        let at = self.place.at(triangle);
         group.indices[at as usize][(corner % 3) as usize] = name;
         group.dirty.mark(at);
     }
 
-    /// Removes a triangle from its group. Returns the vertices of its corners.
+    /// Removes a triangle from its group. Returns the names of its corners.
     fn hide(&mut self, source: &impl SplitSource, triangle: u32) -> [u32; 3] {
         let group = &mut self.groups[source.group_of(triangle)];
-        let at = std::mem::replace(&mut self.place[triangle as usize], NONE);
+        let at = self.place.rest(triangle);
         let names = group.indices.swap_remove(at as usize);
         group.drawn.swap_remove(at as usize);
         if let Some(&last) = group.drawn.get(at as usize) {
-            self.place[last as usize] = at;
+            *self.place.entry(last) = at;
             group.dirty.mark(at);
         }
-        match &self.packed {
-            Some(packed) => names.map(|slot| packed.vertices()[slot as usize]),
-            None => names,
-        }
+        names
     }
 
-    /// Returns the name of a vertex for corners: its slot, assigned if needed, or the vertex itself.
+    /// Returns the name of a vertex: its slot, or `NONE` if it has no slot, or the vertex itself.
     #[inline]
-    fn name(&mut self, vertex: u32) -> u32 {
-        match &mut self.packed {
-            Some(packed) => packed.take(vertex),
-            None => vertex,
-        }
+    pub fn name(&self, vertex: u32) -> u32 {
+        self.slots.as_ref().map_or(vertex, |slots| slots.slot(vertex))
+    }
+
+    /// Returns the name of a vertex, after assigning a slot if it has none.
+    #[inline]
+    fn take(&mut self, vertex: u32) -> u32 {
+        self.slots.as_mut().map_or(vertex, |slots| slots.take(vertex))
     }
 }
 
@@ -129,12 +132,12 @@ impl CutSurface {
     /// hierarchy.
     pub fn new(hierarchy: &VertexHierarchy, packed: bool) -> Self {
         let output = Output {
-            place: vec![NONE; hierarchy.triangle_count()],
+            place: Paged::of(hierarchy.triangle_count(), NONE),
             groups: vec![Group::default(); hierarchy.materials().len().max(1)],
-            packed: packed.then(|| Packed::new(hierarchy.vertex_count())),
+            slots: packed.then(|| Slots::new(hierarchy.vertex_count())),
         };
-        let stars = CornerStars::new(hierarchy.vertex_count());
-        let mut surface = Self { stars, output, loose: Vec::new() };
+        let stars = CornerStars::new(if packed { 0 } else { hierarchy.vertex_count() });
+        let mut surface = Self { stars, output, loose: Vec::new(), moves: Vec::new() };
         for triangle in 0..hierarchy.first_triangle[0] {
             surface.show(hierarchy, triangle, |_| false);
         }
@@ -145,24 +148,20 @@ impl CutSurface {
     #[cfg(feature = "stream")]
     pub(crate) fn empty(groups: usize) -> Self {
         let output = Output {
-            place: Vec::new(),
+            place: Paged::new(NONE),
             groups: vec![Group::default(); groups.max(1)],
-            packed: Some(Packed::default()),
+            slots: Some(Slots::new(0)),
         };
-        Self { stars: CornerStars::new(0), output, loose: Vec::new() }
+        Self { stars: CornerStars::new(0), output, loose: Vec::new(), moves: Vec::new() }
     }
 
     /// Makes room for vertices and triangles of numbers up to these.
     #[cfg(feature = "stream")]
     pub(crate) fn reach(&mut self, vertices: usize, triangles: usize) {
-        let Self { stars, output, .. } = self;
-        stars.reach(vertices);
-        if let Some(packed) = &mut output.packed {
-            packed.reach(vertices);
+        if let Some(slots) = &mut self.output.slots {
+            slots.reach(vertices);
         }
-        if output.place.len() < triangles {
-            output.place.resize(triangles, NONE);
-        }
+        self.output.place.reach(triangles);
     }
 
     /// Creates the mesh of a set of splits, closed under parents.
@@ -198,15 +197,13 @@ impl CutSurface {
 
     /// Returns the vertex in every slot; `None` if vertices are not packed.
     pub fn vertices(&self) -> Option<&[u32]> {
-        self.output.packed.as_ref().map(Packed::vertices)
+        self.output.slots.as_ref().map(Slots::vertices)
     }
 
     /// Returns the slot of a vertex, or the vertex itself if vertices are not packed; `None` if it is not in use.
     pub fn slot(&self, vertex: u32) -> Option<u32> {
-        match &self.output.packed {
-            Some(packed) => Some(packed.slot(vertex)).filter(|&slot| slot != NONE),
-            None => (!self.stars.of(vertex).is_empty()).then_some(vertex),
-        }
+        let name = self.output.name(vertex);
+        (!self.stars.of(name).is_empty()).then_some(name)
     }
 
     /// Returns the triangles of a group written since [`CutSurface::clean`], as ranges; see [`Dirty::ranges`].
@@ -217,7 +214,7 @@ impl CutSurface {
 
     /// Returns the slots written since [`CutSurface::clean`], as ranges; none if vertices are not packed.
     pub fn dirty_vertices(&self, gap: usize) -> DirtyRanges<'_> {
-        self.output.packed.as_ref().map_or_else(DirtyRanges::none, |packed| packed.dirty(gap))
+        self.output.slots.as_ref().map_or_else(DirtyRanges::none, |slots| slots.dirty(gap))
     }
 
     /// Forgets all written triangles and slots.
@@ -234,15 +231,15 @@ impl CutSurface {
     /// Marks all slots as written.
     #[cfg(feature = "stream")]
     pub(crate) fn invalidate_vertices(&mut self) {
-        if let Some(packed) = &mut self.output.packed {
-            packed.invalidate();
+        if let Some(slots) = &mut self.output.slots {
+            slots.invalidate();
         }
     }
 
     /// Forgets all written slots.
     pub(super) fn clean_vertices(&mut self) {
-        if let Some(packed) = &mut self.output.packed {
-            packed.clean();
+        if let Some(slots) = &mut self.output.slots {
+            slots.clean();
         }
     }
 
@@ -255,57 +252,61 @@ impl CutSurface {
         there: impl Fn(u32) -> bool + Copy,
     ) {
         let Self { stars, output, .. } = self;
+        let mut emptied = false;
         for [vertex, to, first_leaf] in source.brought(split).rev() {
-            let mut name = NONE;
-            stars.part(to, vertex, first_leaf, |corner| {
-                if name == NONE {
-                    name = output.name(vertex);
-                }
-                output.write(source, corner, name);
-            });
+            let from = output.name(to);
+            let goes = stars.count(from, first_leaf);
+            if goes > 0 {
+                let name = output.take(vertex);
+                stars.reach(name);
+                stars.part(from, name, (first_leaf, goes), |corner| output.write(source, corner, name));
+                emptied |= stars.of(from).is_empty();
+            }
         }
         for triangle in source.owned(split) {
             self.show(source, triangle, there);
         }
-        for [_, to, _] in source.brought(split) {
-            self.release(source, to);
+        if emptied {
+            source.brought(split).for_each(|[_, to, _]| self.release(source, to));
         }
     }
 
     /// Removes a split from the mesh. No split in the mesh may need it.
     pub(crate) fn collapse(&mut self, source: &impl SplitSource, split: u32) {
-        let Self { stars, output, loose } = self;
+        let Self { stars, output, loose, moves } = self;
+        moves.clear();
+        moves.extend(source.brought(split).map(|[vertex, to, _]| [vertex, to].map(|v| [v, output.name(v)])));
         let owned = source.owned(split);
         let gone = 3 * owned.start..3 * owned.end;
+        let mut remove = |output: &Output, name: u32| {
+            let left = stars.remove(name, &gone);
+            if let (0, Some(slots)) = (left, &output.slots) {
+                loose.push(slots.vertices()[name as usize]);
+            }
+        };
         for triangle in owned {
-            for vertex in output.hide(source, triangle) {
+            for name in output.hide(source, triangle) {
                 // Vertices of the split lose their stars as a whole, and substitutes are in several of these triangles.
-                if source.brought(split).all(|[brought, to, _]| brought != vertex && to != vertex) {
-                    stars.remove(vertex, &gone);
-                    if output.packed.is_some() {
-                        loose.push(vertex);
-                    }
+                if moves.iter().flatten().all(|[_, other]| *other != name) {
+                    remove(output, name);
                 }
             }
         }
-        for [vertex, to, _] in source.brought(split) {
-            stars.remove(to, &gone);
-            if output.packed.is_some() {
-                loose.push(to);
-            }
-            let mut name = NONE;
-            stars.join(vertex, to, &gone, |corner| {
-                if name == NONE {
-                    name = output.name(to);
+        moves.iter().flatten().filter(|[_, name]| *name != NONE).for_each(|[_, name]| remove(output, *name));
+        for &[[vertex, _], [to, _]] in &*moves {
+            // A substitute may be a vertex of the split itself, with a slot since a line ago.
+            let from = output.name(vertex);
+            if !stars.of(from).is_empty() {
+                let name = output.take(to);
+                stars.reach(name);
+                stars.join(from, name, |corner| output.write(source, corner, name));
+                if output.slots.is_some() {
+                    loose.push(vertex);
                 }
-                output.write(source, corner, name);
-            });
-        }
-        if self.output.packed.is_some() {
-            source.brought(split).for_each(|[vertex, ..]| self.release(source, vertex));
-            while let Some(vertex) = self.loose.pop() {
-                self.release(source, vertex);
             }
+        }
+        while let Some(vertex) = self.loose.pop() {
+            self.release(source, vertex);
         }
     }
 
@@ -313,58 +314,90 @@ impl CutSurface {
     pub(crate) fn show(&mut self, source: &impl SplitSource, triangle: u32, there: impl Fn(u32) -> bool) {
         let leaves = source.leaves(triangle);
         let corners = leaves.map(|leaf| source.active(leaf, &there));
-        let names = corners.map(|vertex| self.output.name(vertex));
+        let names = corners.map(|vertex| self.output.take(vertex));
         let group = &mut self.output.groups[source.group_of(triangle)];
         let at = group.drawn.len() as u32;
-        self.output.place[triangle as usize] = at;
+        *self.output.place.entry(triangle) = at;
         group.drawn.push(triangle);
         group.indices.push(names);
         group.dirty.mark(at);
         for k in 0..3 {
-            self.stars.push(corners[k], [3 * triangle + k as u32, leaves[k]]);
+            self.stars.reach(names[k]);
+            self.stars.push(names[k], [3 * triangle + k as u32, leaves[k]]);
         }
     }
 
     /// Frees the slot of a vertex named by no corner.
     fn release(&mut self, source: &impl SplitSource, vertex: u32) {
         let Self { stars, output, .. } = self;
-        let Some(packed) = &mut output.packed else { return };
-        if !stars.of(vertex).is_empty() {
+        let Some(slots) = &mut output.slots else { return };
+        let slot = slots.slot(vertex);
+        if slot == NONE || !stars.of(slot).is_empty() {
             return;
         }
-        if let Some(moved) = packed.free(vertex) {
-            let slot = packed.slot(moved);
-            for entry in stars.of(moved) {
-                output.write(source, entry[0], slot);
-            }
+        let last = slots.free(slot);
+        if last != slot {
+            stars.rename(last, slot);
+            stars.of(slot).iter().for_each(|entry| output.write(source, entry[0], slot));
         }
     }
 
     /// Returns the corners around a vertex that are a leaf's: `3 * triangle + k`.
     #[cfg(feature = "stream")]
     pub(crate) fn star_of_leaf(&self, vertex: u32, leaf: u32) -> impl Iterator<Item = u32> {
-        self.stars.of(vertex).iter().filter(move |entry| entry[1] == leaf).map(|entry| entry[0])
+        self.corners_around(vertex).iter().filter(move |entry| entry[1] == leaf).map(|entry| entry[0])
+    }
+
+    fn corners_around(&self, vertex: u32) -> &[Entry] {
+        self.stars.of(self.output.name(vertex))
     }
 
     /// Returns the corners around a vertex: `3 * triangle + k`.
     pub(crate) fn star(&self, vertex: u32) -> impl Iterator<Item = u32> {
-        self.stars.of(vertex).iter().map(|entry| entry[0])
+        self.corners_around(vertex).iter().map(|entry| entry[0])
     }
 
     /// Returns the names of a triangle's corners, if it is drawn.
     pub(crate) fn corners(&self, hierarchy: &VertexHierarchy, triangle: u32) -> Option<[u32; 3]> {
-        let at = *self.output.place.get(triangle as usize)?;
+        let at = self.output.place.get(triangle);
         self.output.groups[hierarchy.group_of(triangle)].indices.get(at as usize).copied()
+    }
+
+    /// Looks for pages that are not in use.
+    pub(crate) fn sweep(&mut self) {
+        let Self { stars, output, .. } = self;
+        stars.sweep();
+        output.place.sweep();
+        if let Some(slots) = &mut output.slots {
+            slots.sweep();
+        }
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub(crate) fn trim(&mut self) {
+        let Self { stars, output, .. } = self;
+        stars.trim();
+        output.place.trim();
+        if let Some(slots) = &mut output.slots {
+            slots.trim();
+        }
+        for group in &mut output.groups {
+            trim(&mut group.indices);
+            trim(&mut group.drawn);
+            group.dirty.trim(group.drawn.len());
+        }
     }
 
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
         let groups = self.output.groups.iter().map(|group| {
-            size_of_val(&group.indices[..]) + size_of_val(&group.drawn[..]) + group.dirty.memory()
+            group.indices.capacity() * size_of::<[u32; 3]>()
+                + group.drawn.capacity() * size_of::<u32>()
+                + group.dirty.memory()
         });
         self.stars.memory()
-            + size_of_val(&self.output.place[..])
+            + self.output.place.memory()
+            + self.output.slots.as_ref().map_or(0, Slots::memory)
             + groups.sum::<usize>()
-            + self.output.packed.as_ref().map_or(0, Packed::memory)
     }
 }

@@ -12,6 +12,7 @@
 //! Only moving vertices cost anything: entries are a list, with the entry's place per vertex.
 
 use crate::adapt::{Dirty, DirtyRanges, Transition, Weights};
+use crate::geometry::paged::{Paged, trim, trim_to};
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 
@@ -34,7 +35,7 @@ struct Entry<V> {
 struct Moving<V> {
     mix: Mix<V>,
     /// Per vertex, its entry, or `NONE`.
-    entry_of: Vec<u32>,
+    entry_of: Paged<u32, 6>,
     entries: Vec<Entry<V>>,
     /// Entries which wait for their substitutes.
     chain: Vec<u32>,
@@ -67,7 +68,7 @@ impl<V: Vertex> Vertices<V> {
         };
         let moving = mix.map(|mix| Moving {
             mix,
-            entry_of: vec![NONE; count],
+            entry_of: Paged::of(count, NONE),
             entries: Vec::new(),
             chain: Vec::new(),
             rested: Vec::new(),
@@ -164,8 +165,21 @@ impl<V: Vertex> Vertices<V> {
                 }
             }
             moving.rested.clear();
+            moving.entry_of.sweep();
         }
         surface.clean_vertices();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self, surface: &CutSurface) {
+        if let Some(drawn) = &mut self.drawn {
+            trim(drawn);
+            self.dirty.trim(drawn.len());
+        }
+        if let Some(moving) = &mut self.moving {
+            trim_to(&mut moving.entries, surface.triangle_count());
+            moving.entry_of.trim();
+        }
     }
 
     pub fn dirty(&self, gap: usize) -> DirtyRanges<'_> {
@@ -189,14 +203,16 @@ impl<V: Vertex> Vertices<V> {
         let moving = self
             .moving
             .as_ref()
-            .map_or(0, |moving| size_of_val(&moving.entry_of[..]) + size_of_val(&moving.entries[..]));
-        self.drawn.as_ref().map_or(0, |drawn| size_of_val(&drawn[..])) + self.dirty.memory() + moving
+            .map_or(0, |moving| moving.entry_of.memory() + moving.entries.capacity() * size_of::<Entry<V>>());
+        self.drawn.as_ref().map_or(0, |drawn| drawn.capacity() * size_of::<V>())
+            + self.dirty.memory()
+            + moving
     }
 }
 
 impl<V: Vertex> Moving<V> {
     fn entry(&self, vertex: u32) -> Option<&Entry<V>> {
-        self.entries.get(self.entry_of[vertex as usize] as usize)
+        self.entries.get(self.entry_of.at(vertex) as usize)
     }
 
     fn shown(&self, values: &[V], vertex: u32) -> V {
@@ -205,9 +221,9 @@ impl<V: Vertex> Moving<V> {
 
     fn start(&mut self, split: u32, vertex: u32, from: V) {
         let entry = Entry { vertex, split, start: from, shown: from, done: true };
-        match self.entry_of[vertex as usize] {
+        match self.entry_of.at(vertex) {
             NONE => {
-                self.entry_of[vertex as usize] = self.entries.len() as u32;
+                *self.entry_of.entry(vertex) = self.entries.len() as u32;
                 self.entries.push(entry);
             }
             at => self.entries[at as usize] = entry,
@@ -215,11 +231,11 @@ impl<V: Vertex> Moving<V> {
     }
 
     fn remove(&mut self, vertex: u32) {
-        let at = std::mem::replace(&mut self.entry_of[vertex as usize], NONE);
+        let at = self.entry_of.rest(vertex);
         if at != NONE {
             self.entries.swap_remove(at as usize);
             if let Some(moved) = self.entries.get(at as usize) {
-                self.entry_of[moved.vertex as usize] = at;
+                *self.entry_of.entry(moved.vertex) = at;
             }
         }
     }
@@ -257,7 +273,7 @@ impl<V: Vertex> Moving<V> {
             let mut goal = values[vertex as usize];
             if transition.is_some_and(Transition::is_closing) {
                 let substitute = hierarchy.substitute[vertex as usize];
-                let next = self.entry_of[substitute as usize];
+                let next = self.entry_of.at(substitute);
                 goal = match self.entries.get(next as usize) {
                     Some(entry) if !entry.done => {
                         self.chain.push(at);

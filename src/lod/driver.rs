@@ -2,11 +2,13 @@
 //! there.
 
 use crate::adapt::{
-    AT_REST, Apply, Change, Cut, FrameLimits, RefinementSink, Refinements, Tolerance, Weights, is_done,
+    AT_REST, Apply, Change, Cut, CutReport, FrameLimits, RefinementSink, Refinements, States, Tolerance,
+    Weights,
 };
 use crate::view::{Answer, Bounds, Criterion, Motion, ObjectView};
 
 use super::LodOptions;
+use super::patience::Patience;
 
 /// Moves a cut by views, and draws the way there within limits.
 #[derive(Debug, Clone)]
@@ -19,6 +21,9 @@ pub(crate) struct Driver<B = Bounds> {
     tolerance: Tolerance,
     /// Set if no answer of the cut holds any more.
     forgets: bool,
+    /// The last change, if the same views change nothing more.
+    rest: Option<Change>,
+    patience: Patience,
 }
 
 impl<B: Copy> Driver<B> {
@@ -31,6 +36,8 @@ impl<B: Copy> Driver<B> {
             limits: None,
             tolerance: Tolerance::default(),
             forgets: false,
+            rest: None,
+            patience: Patience::default(),
         }
     }
 
@@ -47,7 +54,11 @@ impl<B: Copy> Driver<B> {
     }
 
     pub fn set_tolerance_factor(&mut self, factor: f32) {
+        let before = self.tolerance.factor();
         self.tolerance.set(factor);
+        if self.tolerance.factor() != before {
+            self.rest = None;
+        }
     }
 
     /// Holds if refinement `r` is drawn. Under limits, this may differ from being in the cut.
@@ -64,6 +75,7 @@ impl<B: Copy> Driver<B> {
     #[cfg(all(feature = "stream", feature = "io"))]
     pub fn arrived(&mut self) {
         self.cut.arrived();
+        self.rest = None;
         self.forgets |= self.options.triangles.is_some();
     }
 
@@ -76,6 +88,7 @@ impl<B: Copy> Driver<B> {
     /// Asks about every refinement in the next call.
     pub fn forget(&mut self) {
         self.forgets = true;
+        self.rest = None;
     }
 
     /// Sets new options. `wanted` counts the triangles at the cut.
@@ -86,6 +99,7 @@ impl<B: Copy> Driver<B> {
         sink: &mut impl RefinementSink,
         wanted: impl FnOnce(&Cut<B>) -> usize,
     ) {
+        self.rest = None;
         self.forgets |= options.triangles != self.options.triangles;
         let moves = options.geomorph.is_some();
         let counts_anew = options.triangulation != self.options.triangulation;
@@ -113,6 +127,27 @@ impl<B: Copy> Driver<B> {
         }
     }
 
+    /// Returns the change of a call that changes nothing: with the same views as the last call, which has left nothing to do. Reads
+    /// little else than the views, so instances at rest cost next to nothing. And whether to give back memory.
+    #[inline]
+    pub fn at_rest(&mut self, views: &[ObjectView]) -> Option<(Change, bool)> {
+        let change = self.rest.filter(|_| self.views == views)?;
+        Some((change, self.patience.frame(change.triangles, false)))
+    }
+
+    /// Counts a frame with changes. Returns whether to give back memory.
+    pub fn waited(&mut self, change: &Change) -> bool {
+        self.patience.frame(change.triangles, true)
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.cut.trim();
+        if let Some(limits) = &mut self.limits {
+            limits.trim();
+        }
+    }
+
     /// Moves to the cut asked for by views. `diagonal` is the object's.
     pub fn adapt<R: Refinements<Bounds = B> + ?Sized>(
         &mut self,
@@ -127,6 +162,11 @@ impl<B: Copy> Driver<B> {
         let motion = if self.views.is_empty() { Motion::Other } else { views.motion(&self.views) };
         let change = self.adapt_by(of, (views, motion, seconds, diagonal), sink, cost);
         self.views.extend_from_slice(views);
+        if change.pending == 0 && change.moving == 0 && !change.over_budget {
+            let blocks = change.cut.blocks;
+            let cut = CutReport { blocks, asleep: blocks, ..CutReport::default() };
+            self.rest = Some(Change { cut, ..change });
+        }
         change
     }
 
@@ -139,6 +179,7 @@ impl<B: Copy> Driver<B> {
         cost: impl FnMut(u32, bool) -> usize,
     ) -> Change {
         self.views.clear();
+        self.rest = None;
         let progress =
             self.options.geomorph.map_or(1.0, |geomorph| geomorph.progress(seconds, motion, diagonal));
         let motion = if std::mem::take(&mut self.forgets) { Motion::Other } else { motion };
@@ -177,9 +218,9 @@ impl<S: RefinementSink> Apply for Drawn<'_, S> {
         self.0.look_ahead(changes);
     }
 
-    fn apply(&mut self, state: &[u8], refinement: u32, comes: bool) -> bool {
+    fn apply(&mut self, states: &States, refinement: u32, comes: bool) -> bool {
         if comes {
-            self.0.refine(refinement, false, |other| is_done(state, other));
+            self.0.refine(refinement, false, |other| states.is_done(other));
         } else {
             self.0.coarsen(refinement);
         }

@@ -16,7 +16,9 @@
 //! | `builder.rs` | [`Builder`]: simplify and bake in a single call, with any metric |
 //! | `options.rs` | [`LodOptions`]: how an instance follows the view |
 //! | `instance.rs` | [`Lod`]: a drawn instance |
+//! | `adapt_all.rs` | [`adapt_all`]: many instances, over all cores |
 //! | `uploads.rs` | [`Upload`], [`Draw`]: what a frame writes and draws |
+//! | `patience.rs` | when an instance gives memory back |
 //! | `driver.rs` | common parts of instances refined by view |
 //! | `whole.rs` | common parts of instances of a single resolution |
 //! | `level.rs` | [`Level`]: a level of detail of the whole model |
@@ -25,6 +27,7 @@
 //! | `short_indices.rs` | [`ShortIndices`]: 16-bit indices where they fit |
 //! | `error.rs` | [`LodError`] |
 
+mod adapt_all;
 mod baked;
 mod builder;
 mod driver;
@@ -34,6 +37,7 @@ mod level;
 mod model;
 mod options;
 mod origins;
+mod patience;
 #[cfg(feature = "io")]
 mod sections;
 mod short_indices;
@@ -42,6 +46,7 @@ mod uploads;
 mod values;
 mod whole;
 
+pub use adapt_all::adapt_all;
 pub use baked::Baked;
 pub use builder::Builder;
 pub(crate) use driver::{Driver, Everything};

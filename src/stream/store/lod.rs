@@ -4,7 +4,7 @@ use std::io::{Read, Seek};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::adapt::{Change, Cut, DirtyRanges, Refinements};
+use crate::adapt::{Change, Cut, DirtyRanges};
 use crate::hierarchy::CutSurface;
 use crate::lod::{Draws, Driver, Everything, Lod, LodError, LodOptions, Uploads, Vertex, VertexBuffer};
 use crate::mesh::{Mesh, NONE};
@@ -37,7 +37,7 @@ pub struct PageRange {
 /// split in the mesh stay in memory. If the cache is too small for all that the views ask for, nothing more is wanted once it is
 /// full: what is missing stays coarse.
 ///
-/// Takes 5 bytes a split of the model (9 with dependencies) and 48 for each that may come or go, besides the cache and what is drawn.
+/// Takes 4 bytes a split of the pages drawn in part or in whole (8 with dependencies) and 48 for each that may come or go, besides the cache and what is drawn.
 #[derive(Clone)]
 pub struct StoreLod<V, F> {
     pages: Pages,
@@ -79,9 +79,15 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> StoreLod<V, F> {
         let Self { pages, driver, surface, drawn, .. } = self;
         let pages = &*pages;
         driver.set_options(pages, &options, &mut Sink { pages, drawn, surface }, |cut| {
-            let splits = (0..pages.len() as u32).filter(|&split| cut.holds(split));
-            pages.store().triangles.len() + splits.map(|split| pages.owned(split).len()).sum::<usize>()
+            pages.store().triangles.len()
+                + cut.refinements().map(|split| pages.owned(split).len()).sum::<usize>()
         });
+    }
+
+    /// Gives back memory if most of it is not in use.
+    fn trim(&mut self) {
+        self.driver.trim();
+        self.surface.trim();
     }
 
     fn write_values(&mut self) {
@@ -213,6 +219,12 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> StoreLod<V, F> {
 
 impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for StoreLod<V, F> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        if let Some((change, waited)) = self.driver.at_rest(views) {
+            if waited {
+                self.trim();
+            }
+            return change;
+        }
         self.views.clear();
         self.views.extend_from_slice(views);
         self.everything = false;
@@ -223,6 +235,10 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for StoreLod<V, F> {
         let cost = |split: u32, _| pages.owned(split).len();
         let change = driver.adapt(pages, (views, seconds, diagonal), &mut sink, cost);
         self.write_values();
+        self.surface.sweep();
+        if self.driver.waited(&change) {
+            self.trim();
+        }
         change
     }
 

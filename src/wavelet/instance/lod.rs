@@ -161,6 +161,13 @@ impl<V: Vertex> WaveletLod<V> {
         self.shown.write(&self.mesh, self.driver.weights());
     }
 
+    /// Gives back memory if most of it is not in use.
+    fn trim(&mut self) {
+        self.driver.trim();
+        self.shown.surface.trim();
+        self.shown.vertices.trim();
+    }
+
     /// Rebuilds triangles and vertices for other options. Finishes transitions: the cut is drawn, every vertex at its place.
     fn rebuild(&mut self, options: &LodOptions) {
         self.settle();
@@ -329,8 +336,19 @@ impl<V: Vertex> WaveletLod<V> {
 
 impl<V: Vertex> Lod for WaveletLod<V> {
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
+        if let Some((change, waited)) = self.driver.at_rest(views) {
+            if waited {
+                self.trim();
+            }
+            return change;
+        }
         let diagonal = self.mesh.diagonal();
-        self.drive(|driver, mesh, sink, cost| driver.adapt(mesh, (views, seconds, diagonal), sink, cost))
+        let change =
+            self.drive(|driver, mesh, sink, cost| driver.adapt(mesh, (views, seconds, diagonal), sink, cost));
+        if self.driver.waited(&change) {
+            self.trim();
+        }
+        change
     }
 
     fn refine_fully(&mut self) -> Change {

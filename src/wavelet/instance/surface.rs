@@ -12,6 +12,7 @@
 //! of earlier sets; only the order in the buffer may differ.
 
 use crate::adapt::{Dirty, DirtyRanges};
+use crate::geometry::paged::{Paged, trim};
 use crate::mesh::NONE;
 use crate::wavelet::Triangulation;
 use crate::wavelet::subdivision::Subdivision;
@@ -60,20 +61,20 @@ struct Group {
 #[derive(Debug, Clone)]
 struct Changes {
     faces: Vec<u32>,
-    face_is_in: Vec<bool>,
+    face_is_in: Paged<bool, 8>,
     wavelets: Vec<u32>,
-    wavelet_is_in: Vec<bool>,
+    wavelet_is_in: Paged<bool, 8>,
 }
 
 impl Changes {
     fn face(&mut self, face: u32) {
-        if !std::mem::replace(&mut self.face_is_in[face as usize], true) {
+        if !std::mem::replace(self.face_is_in.entry(face), true) {
             self.faces.push(face);
         }
     }
 
     fn wavelet(&mut self, wavelet: u32) {
-        if !std::mem::replace(&mut self.wavelet_is_in[wavelet as usize], true) {
+        if !std::mem::replace(self.wavelet_is_in.entry(wavelet), true) {
             self.wavelets.push(wavelet);
         }
     }
@@ -94,7 +95,7 @@ impl UseSink for Changes {
 pub(crate) struct WaveletSurface {
     uses: UseCounts,
     /// Per face its first triangle, or `NONE`.
-    first: Vec<u32>,
+    first: Paged<u32, 8>,
     /// A group per material.
     groups: Vec<Group>,
     changes: Changes,
@@ -107,13 +108,13 @@ impl WaveletSurface {
     pub fn new(of: &Subdivision, triangulation: Triangulation, groups: usize) -> Self {
         let mut surface = Self {
             uses: UseCounts::new(of, triangulation),
-            first: vec![NONE; of.face_count()],
+            first: Paged::of(of.face_count(), NONE),
             groups: vec![Group::default(); groups.max(1)],
             changes: Changes {
                 faces: Vec::new(),
-                face_is_in: vec![false; of.face_count()],
+                face_is_in: Paged::of(of.face_count(), false),
                 wavelets: Vec::new(),
-                wavelet_is_in: vec![false; of.wavelet_count()],
+                wavelet_is_in: Paged::of(of.wavelet_count(), false),
             },
             stack: Vec::new(),
             cut: Vec::new(),
@@ -150,7 +151,7 @@ impl WaveletSurface {
         }
         for at in 0..self.changes.wavelets.len() {
             let wavelet = self.changes.wavelets[at];
-            self.changes.wavelet_is_in[wavelet as usize] = false;
+            self.changes.wavelet_is_in.rest(wavelet);
             for along in of.faces_along(wavelet) {
                 let mut face = along.face();
                 while !self.uses.is_there(of, face) {
@@ -166,12 +167,30 @@ impl WaveletSurface {
         let alone = self.groups.len() == 1;
         for at in 0..self.changes.faces.len() {
             let face = self.changes.faces[at];
-            self.changes.face_is_in[face as usize] = false;
+            self.changes.face_is_in.rest(face);
             self.cut(of, face);
             self.cut.iter_mut().for_each(|t| *t = t.map(&vertex));
             self.replace(face, if alone { 0 } else { group(of.base_face_of(face)) });
         }
         self.changes.faces.clear();
+        self.uses.sweep();
+        self.first.sweep();
+        self.changes.face_is_in.sweep();
+        self.changes.wavelet_is_in.sweep();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        let Self { uses, first, groups, changes, .. } = self;
+        uses.trim();
+        first.trim();
+        changes.face_is_in.trim();
+        changes.wavelet_is_in.trim();
+        for group in groups {
+            trim(&mut group.triangles);
+            trim(&mut group.links);
+            group.dirty.trim(group.links.len());
+        }
     }
 
     /// Finds the triangles of a face.
@@ -205,7 +224,7 @@ impl WaveletSurface {
     fn replace(&mut self, face: u32, group: usize) {
         let Self { first, groups, cut, .. } = self;
         let group = &mut groups[group];
-        let mut at = first[face as usize];
+        let mut at = first.at(face);
         let mut last = NONE;
         let mut kept = 0;
         while at != NONE && kept < cut.len() {
@@ -229,7 +248,7 @@ impl WaveletSurface {
             group.links.push(Link { face, next: NONE, previous: last });
             group.dirty.mark(new);
             match last {
-                NONE => first[face as usize] = new,
+                NONE => *first.entry(face) = new,
                 last => group.links[last as usize].next = new,
             }
             last = new;
@@ -270,12 +289,14 @@ impl WaveletSurface {
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
         let groups = self.groups.iter().map(|group| {
-            size_of_val(&group.triangles[..]) + size_of_val(&group.links[..]) + group.dirty.memory()
+            group.triangles.capacity() * size_of::<[u32; 3]>()
+                + group.links.capacity() * size_of::<Link>()
+                + group.dirty.memory()
         });
         self.uses.memory()
-            + size_of_val(&self.first[..])
-            + self.changes.face_is_in.len()
-            + self.changes.wavelet_is_in.len()
+            + self.first.memory()
+            + self.changes.face_is_in.memory()
+            + self.changes.wavelet_is_in.memory()
             + groups.sum::<usize>()
     }
 }
@@ -283,10 +304,10 @@ impl WaveletSurface {
 impl Group {
     /// Removes a triangle; the last triangle takes its place. Returns where the last triangle was, or `NONE` if the last was
     /// removed.
-    fn remove(&mut self, at: u32, first: &mut [u32]) -> u32 {
+    fn remove(&mut self, at: u32, first: &mut Paged<u32, 8>) -> u32 {
         let Link { face, next, previous } = self.links[at as usize];
         match previous {
-            NONE => first[face as usize] = next,
+            NONE => *first.entry(face) = next,
             previous => self.links[previous as usize].next = next,
         }
         if next != NONE {
@@ -301,7 +322,7 @@ impl Group {
         self.dirty.mark(at);
         let Link { face, next, previous } = self.links[at as usize];
         match previous {
-            NONE => first[face as usize] = at,
+            NONE => *first.entry(face) = at,
             previous => self.links[previous as usize].next = at,
         }
         if next != NONE {

@@ -8,6 +8,7 @@
 //! Every vertex in use adds a triangle for each face along its edge, for either triangulation: a split face gains a triangle,
 //! and so does a face cut because its neighbour is split. So the number of triangles is a sum over vertices.
 
+use crate::geometry::paged::Paged;
 use crate::wavelet::Triangulation;
 use crate::wavelet::subdivision::Subdivision;
 
@@ -16,9 +17,9 @@ use crate::wavelet::subdivision::Subdivision;
 pub(crate) struct UseCounts {
     exact: bool,
     /// Per split face the number of its sides with a wavelet of the set.
-    set: Vec<u8>,
+    set: Paged<u8, 8>,
     /// Per wavelet: 1 if it is in the set, plus (exact only) the number of faces along its edge split by the set.
-    users: Vec<u8>,
+    users: Paged<u8, 8>,
 }
 
 /// Receives the effects of changing the set.
@@ -39,15 +40,15 @@ impl UseCounts {
     pub fn new(subdivision: &Subdivision, triangulation: Triangulation) -> Self {
         Self {
             exact: triangulation == Triangulation::Exact,
-            set: vec![0; subdivision.face_count()],
-            users: vec![0; subdivision.wavelet_count()],
+            set: Paged::of(subdivision.face_count(), 0),
+            users: Paged::of(subdivision.wavelet_count(), 0),
         }
     }
 
     /// Whether the vertex of a wavelet is in use.
     #[inline]
     pub fn is_used(&self, wavelet: u32) -> bool {
-        self.users[wavelet as usize] > 0
+        self.users.at(wavelet) > 0
     }
 
     /// Number of sides needed to split a face.
@@ -59,13 +60,13 @@ impl UseCounts {
     /// Whether all four children of a face are drawn, or split further.
     #[inline]
     pub fn splits(&self, of: &Subdivision, face: u32) -> bool {
-        self.set[face as usize] >= self.needed() && of.is_split(face)
+        self.set.at(face) >= self.needed() && of.is_split(face)
     }
 
     /// The corner of a face drawn as a triangle beside a quadrilateral.
     #[inline]
     pub fn cut_corner(&self, of: &Subdivision, face: u32) -> Option<usize> {
-        if self.exact || self.set[face as usize] != 2 || !of.is_split(face) {
+        if self.exact || self.set.at(face) != 2 || !of.is_split(face) {
             return None;
         }
         let bare = of.sides_of_split(face).iter().position(|&wavelet| !self.is_used(wavelet))?;
@@ -94,9 +95,10 @@ impl UseCounts {
             if !of.is_split(face) {
                 continue;
             }
-            let before = self.set[face as usize];
+            let set = self.set.entry(face);
+            let before = *set;
             let after = if comes { before + 1 } else { before - 1 };
-            self.set[face as usize] = after;
+            *set = after;
             if !self.exact && before.max(after) < 2 {
                 continue;
             }
@@ -117,7 +119,7 @@ impl UseCounts {
     }
 
     fn make_use(&mut self, of: &Subdivision, wavelet: u32, sink: &mut impl UseSink) -> usize {
-        let users = &mut self.users[wavelet as usize];
+        let users = self.users.entry(wavelet);
         *users += 1;
         if *users > 1 {
             return 0;
@@ -127,7 +129,7 @@ impl UseCounts {
     }
 
     fn unuse(&mut self, of: &Subdivision, wavelet: u32, sink: &mut impl UseSink) -> usize {
-        let users = &mut self.users[wavelet as usize];
+        let users = self.users.entry(wavelet);
         *users -= 1;
         if *users > 0 {
             return 0;
@@ -148,7 +150,7 @@ impl UseCounts {
         let mut more = 0;
         for along in of.faces_along(wavelet) {
             let face = along.face();
-            let turns = self.set[face as usize] == u8::from(!comes) && of.is_split(face);
+            let turns = self.set.at(face) == u8::from(!comes) && of.is_split(face);
             for side in of.sides_of_split_if(face, turns) {
                 match changes[..count].iter_mut().find(|change| change.0 == side) {
                     Some(change) => change.1 += 1,
@@ -157,21 +159,31 @@ impl UseCounts {
                         count += 1;
                     }
                     // Along non-manifold edges: each side by itself.
-                    None => {
-                        more += usize::from(self.users[side as usize] == u8::from(!comes)) * of.width(side)
-                    }
+                    None => more += usize::from(self.users.at(side) == u8::from(!comes)) * of.width(side),
                 }
             }
         }
         let turned = changes[..count].iter().filter(|(side, by)| {
-            let users = self.users[*side as usize];
+            let users = self.users.at(*side);
             if comes { users == 0 } else { users == *by }
         });
         more + turned.map(|(side, _)| of.width(*side)).sum::<usize>()
     }
 
+    /// Looks for pages that are not in use.
+    pub fn sweep(&mut self) {
+        self.set.sweep();
+        self.users.sweep();
+    }
+
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.set.trim();
+        self.users.trim();
+    }
+
     /// Bytes of its arrays.
     pub fn memory(&self) -> usize {
-        self.set.len() + self.users.len()
+        self.set.memory() + self.users.memory()
     }
 }

@@ -11,6 +11,7 @@
 //! (an *incident edge* and its inner halves).
 
 use crate::adapt::{Dirty, DirtyRanges, Transition, Weights};
+use crate::geometry::paged::Paged;
 use crate::lod::{Mix, Values, Vertex};
 use crate::mesh::NONE;
 use crate::wavelet::subdivision::Subdivision;
@@ -24,9 +25,9 @@ const AT_REST: u8 = 2;
 const QUEUED: u8 = 4;
 
 /// Slots of the vertices in use. Freed slots are reused, so some slots may be unused.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct Slots {
-    slot_of: Vec<u32>,
+    slot_of: Paged<u32, 8>,
     vertices: Vec<u32>,
     free: Vec<u32>,
 }
@@ -41,7 +42,7 @@ pub(crate) struct Vertices<V> {
     drawn: Vec<V>,
     dirty: Dirty,
     slots: Option<Slots>,
-    state: Vec<u8>,
+    state: Paged<u8, 8>,
     /// Wavelets to visit, by level.
     queue: Vec<Vec<u32>>,
 }
@@ -51,8 +52,8 @@ impl<V: Vertex> Vertices<V> {
     pub fn new(of: &Subdivision, values: Values<V>, packed: bool) -> Self {
         let base = of.base_vertex_count();
         let slots = packed.then(|| {
-            let mut slot_of = vec![NONE; of.vertex_count()];
-            (0..base).for_each(|v| slot_of[v] = v as u32);
+            let mut slot_of = Paged::of(of.vertex_count(), NONE);
+            (0..base as u32).for_each(|v| *slot_of.entry(v) = v);
             Slots { slot_of, vertices: (0..base as u32).collect(), free: Vec::new() }
         });
         let drawn = if packed { values[..base].to_vec() } else { values.to_vec() };
@@ -64,7 +65,7 @@ impl<V: Vertex> Vertices<V> {
             drawn,
             dirty,
             slots,
-            state: vec![0; of.wavelet_count()],
+            state: Paged::of(of.wavelet_count(), 0),
             queue: vec![Vec::new(); of.depth()],
         }
     }
@@ -72,12 +73,12 @@ impl<V: Vertex> Vertices<V> {
     /// Returns the index of a vertex in use as drawn: the vertex or its slot.
     #[inline]
     pub fn name(&self, vertex: u32) -> u32 {
-        self.slots.as_ref().map_or(vertex, |slots| slots.slot_of[vertex as usize])
+        self.slots.as_ref().map_or(vertex, |slots| slots.slot_of.at(vertex))
     }
 
     /// Adds a wavelet to the set or removes it.
     pub fn set(&mut self, wavelet: u32, comes: bool) {
-        let state = &mut self.state[wavelet as usize];
+        let state = self.state.entry(wavelet);
         *state = if comes { *state | SET } else { *state & !SET };
     }
 
@@ -87,12 +88,12 @@ impl<V: Vertex> Vertices<V> {
     }
 
     fn weight(&self, weights: &Weights, wavelet: u32) -> f32 {
-        let at_rest = || f32::from(self.state[wavelet as usize] & SET != 0);
+        let at_rest = || f32::from(self.state.at(wavelet) & SET != 0);
         weights.of(wavelet).map_or_else(at_rest, Transition::weight)
     }
 
     fn enqueue(&mut self, of: &Subdivision, wavelet: u32) {
-        let state = &mut self.state[wavelet as usize];
+        let state = self.state.entry(wavelet);
         if *state & QUEUED == 0 {
             *state |= QUEUED;
             self.queue[of.level_of(wavelet) - 1].push(wavelet);
@@ -105,7 +106,7 @@ impl<V: Vertex> Vertices<V> {
             if surface.uses().is_used(wavelet) {
                 self.enqueue(of, wavelet);
             } else {
-                self.state[wavelet as usize] &= !AT_REST;
+                *self.state.entry(wavelet) &= !AT_REST;
                 self.release(of.vertex_of(wavelet));
                 of.seam_vertices_of(wavelet).for_each(|vertex| self.release(vertex));
             }
@@ -114,19 +115,23 @@ impl<V: Vertex> Vertices<V> {
             let mut at = 0;
             while let Some(&wavelet) = self.queue[level].get(at) {
                 at += 1;
-                self.state[wavelet as usize] &= !QUEUED;
+                *self.state.entry(wavelet) &= !QUEUED;
                 if surface.uses().is_used(wavelet) && self.place(of, weights, wavelet) {
                     self.wake_dependents(of, surface, wavelet);
                 }
             }
             self.queue[level].clear();
         }
+        self.state.sweep();
+        if let Some(slots) = &mut self.slots {
+            slots.slot_of.sweep();
+        }
     }
 
     /// Places a wavelet's vertices; returns whether they may have moved.
     fn place(&mut self, of: &Subdivision, weights: &Weights, wavelet: u32) -> bool {
         let weight = self.weight(weights, wavelet);
-        let was_at_rest = self.state[wavelet as usize] & AT_REST != 0;
+        let was_at_rest = self.state.at(wavelet) & AT_REST != 0;
         let mut at_rest = weight == 1.0;
         let own = of.vertex_of(wavelet);
         for vertex in std::iter::once(own).chain(of.seam_vertices_of(wavelet)) {
@@ -151,22 +156,22 @@ impl<V: Vertex> Vertices<V> {
             };
             self.draw(vertex, value, at_rest && was_at_rest);
         }
-        let state = &mut self.state[wavelet as usize];
+        let state = self.state.entry(wavelet);
         *state = if at_rest { *state | AT_REST } else { *state & !AT_REST };
         !(at_rest && was_at_rest)
     }
 
     fn is_at_rest(&self, of: &Subdivision, vertex: u32) -> bool {
-        of.wavelet_of(vertex).is_none_or(|wavelet| self.state[wavelet as usize] & AT_REST != 0)
+        of.wavelet_of(vertex).is_none_or(|wavelet| self.state.at(wavelet) & AT_REST != 0)
     }
 
     fn draw(&mut self, vertex: u32, value: V, is_there: bool) {
         let slot = match &mut self.slots {
             None => vertex,
-            Some(slots) => match slots.slot_of[vertex as usize] {
+            Some(slots) => match slots.slot_of.at(vertex) {
                 NONE => {
                     let slot = slots.free.pop().unwrap_or(slots.vertices.len() as u32);
-                    slots.slot_of[vertex as usize] = slot;
+                    *slots.slot_of.entry(vertex) = slot;
                     match slots.vertices.get_mut(slot as usize) {
                         Some(there) => *there = vertex,
                         None => {
@@ -190,7 +195,7 @@ impl<V: Vertex> Vertices<V> {
 
     fn release(&mut self, vertex: u32) {
         if let Some(slots) = &mut self.slots {
-            let slot = std::mem::replace(&mut slots.slot_of[vertex as usize], NONE);
+            let slot = slots.slot_of.rest(vertex);
             if slot != NONE {
                 slots.free.push(slot);
             }
@@ -232,7 +237,7 @@ impl<V: Vertex> Vertices<V> {
             };
             if surface.uses().is_used(wavelet) {
                 // Otherwise the vertex would count as drawn already.
-                self.state[wavelet as usize] &= !AT_REST;
+                *self.state.entry(wavelet) &= !AT_REST;
                 self.enqueue(of, wavelet);
             }
             // Dependent vertices in transition use a vertex's own place even where it is drawn elsewhere.
@@ -279,7 +284,7 @@ impl<V: Vertex> Vertices<V> {
     /// Whether a wavelet is in the set.
     #[inline]
     pub fn is_set(&self, wavelet: u32) -> bool {
-        self.state[wavelet as usize] & SET != 0
+        self.state.at(wavelet) & SET != 0
     }
 
     /// The vertex in every slot; `None` if vertices are not packed.
@@ -295,11 +300,19 @@ impl<V: Vertex> Vertices<V> {
         self.dirty.clear();
     }
 
+    /// Gives back memory if most of it is not in use.
+    pub fn trim(&mut self) {
+        self.state.trim();
+        if let Some(slots) = &mut self.slots {
+            slots.slot_of.trim();
+        }
+    }
+
     /// Bytes of its arrays, without the values at their own places.
     pub fn memory(&self) -> usize {
         let slots = self.slots.as_ref().map_or(0, |slots| {
-            size_of_val(&slots.slot_of[..]) + size_of_val(&slots.vertices[..]) + size_of_val(&slots.free[..])
+            slots.slot_of.memory() + (slots.vertices.capacity() + slots.free.capacity()) * size_of::<u32>()
         });
-        size_of_val(&self.drawn[..]) + self.dirty.memory() + self.state.len() + slots
+        self.drawn.capacity() * size_of::<V>() + self.dirty.memory() + self.state.memory() + slots
     }
 }
