@@ -20,7 +20,7 @@ use super::error::{ControlError, check};
 use super::estimate::Estimate;
 
 /// Instances that a core takes at least.
-const AT_LEAST: usize = 16;
+const AT_LEAST: usize = 64;
 /// Shares of the budget: below `ROOM`, the factor falls until `AIM` is reached.
 const ROOM: f64 = 0.93;
 const AIM: f64 = 0.965;

@@ -190,11 +190,16 @@ impl<V: Vertex> HierarchyLod<V> {
 }
 
 impl<V: Vertex> Lod for HierarchyLod<V> {
+    fn adapt_at_rest(&mut self, views: &[ObjectView]) -> Option<Change> {
+        let (change, waited) = self.driver.at_rest(views)?;
+        if waited {
+            self.trim();
+        }
+        Some(change)
+    }
+
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        if let Some((change, waited)) = self.driver.at_rest(views) {
-            if waited {
-                self.trim();
-            }
+        if let Some(change) = self.adapt_at_rest(views) {
             return change;
         }
         let Self { hierarchy, driver, surface, vertices, .. } = self;

@@ -53,8 +53,6 @@ impl Run {
 pub(super) struct CornerStars {
     runs: Paged<Run, 6>,
     pool: Vec<Entry>,
-    /// Room of all runs in use.
-    used: usize,
     /// First free run of every size. The first entry of a free run names the next.
     free: [u32; SIZES],
 }
@@ -71,7 +69,7 @@ fn class_for(entries: usize) -> usize {
 impl CornerStars {
     /// Starts without corners, with room for names below `names`.
     pub fn new(names: usize) -> Self {
-        Self { runs: Paged::of(names, Run::EMPTY), pool: Vec::new(), used: 0, free: [NONE; SIZES] }
+        Self { runs: Paged::of(names, Run::EMPTY), pool: Vec::new(), free: [NONE; SIZES] }
     }
 
     /// Makes room for a name.
@@ -93,7 +91,6 @@ impl CornerStars {
     }
 
     fn take(&mut self, class: usize) -> u32 {
-        self.used += room(class);
         let head = self.free[class];
         if head != NONE {
             self.free[class] = self.pool[head as usize][0];
@@ -104,7 +101,7 @@ impl CornerStars {
             let start = self.free[larger];
             self.free[larger] = self.pool[start as usize][0];
             for smaller in class..larger {
-                self.keep(start + room(smaller) as u32, smaller);
+                self.give(start + room(smaller) as u32, smaller);
             }
             return start;
         }
@@ -113,15 +110,9 @@ impl CornerStars {
         start
     }
 
-    /// Keeps a free run.
-    fn keep(&mut self, start: u32, class: usize) {
+    fn give(&mut self, start: u32, class: usize) {
         self.pool[start as usize][0] = self.free[class];
         self.free[class] = start;
-    }
-
-    fn give(&mut self, start: u32, class: usize) {
-        self.used -= room(class);
-        self.keep(start, class);
     }
 
     #[inline]
@@ -244,15 +235,17 @@ impl CornerStars {
     /// Gives back memory if most of it is not in use: stars are packed into a new pool.
     pub fn trim(&mut self) {
         self.runs.trim();
-        if self.pool.len() <= 4 * self.used + 512 {
+        // Runs of stars that were large once are shortened, too.
+        let used: usize = self.runs.others().map(|(_, run)| room(class_for(run.len()))).sum();
+        if self.pool.len() <= 4 * used + 512 {
             return;
         }
-        let mut pool = Vec::with_capacity(2 * self.used);
+        let mut pool = Vec::with_capacity(2 * used);
         self.runs.update_others(|run| {
-            let start = pool.len();
+            let (start, class) = (pool.len(), class_for(run.len()));
             pool.extend_from_slice(&self.pool[run.range()]);
-            pool.resize(start + room(run.class()), [0; 2]);
-            Run { start: start as u32, ..run }
+            pool.resize(start + room(class), [0; 2]);
+            Run::new(start as u32, run.len(), class)
         });
         self.pool = pool;
         self.free = [NONE; SIZES];

@@ -6,14 +6,14 @@ use crate::view::ObjectView;
 
 use super::Lod;
 
-/// Instances that a core takes at least. An instance at rest takes a fraction of a microsecond.
+/// Instances that a core takes at least.
 const LEAST: usize = 16;
 
 /// Adapts many instances, each to its own views ([`Lod::adapt`]): on all cores with feature `parallel`. Returns the changes in the
 /// order of the instances. Every instance is adapted as if alone, so the result is the same for any number of threads.
 ///
 /// Takes any instances: of a slice, of a map, of a query of an engine. Of different structures as `&mut dyn Lod`. Allocates a list
-/// of them and the list of changes.
+/// of those not at rest, and the list of changes.
 ///
 /// ```
 /// use multires::lod::adapt_all;
@@ -41,6 +41,16 @@ pub fn adapt_all<'a, L: Lod + ?Sized + 'a>(
     instances: impl IntoIterator<Item = (&'a mut L, &'a [ObjectView])>,
     seconds: f32,
 ) -> Vec<Change> {
-    let mut instances: Vec<(&mut L, &[ObjectView])> = instances.into_iter().collect();
-    parallel::map_mut(&mut instances, LEAST, |(lod, views)| lod.adapt(views, seconds))
+    let (mut changes, mut awake) = (Vec::new(), Vec::new());
+    for (lod, views) in instances {
+        // Instances at rest are not worth another core's while.
+        let change = lod.adapt_at_rest(views);
+        if change.is_none() {
+            awake.push((changes.len(), lod, views));
+        }
+        changes.push(change.unwrap_or_default());
+    }
+    let made = parallel::map_mut(&mut awake, LEAST, |(_, lod, views)| lod.adapt(views, seconds));
+    awake.iter().zip(made).for_each(|((at, ..), change)| changes[*at] = change);
+    changes
 }

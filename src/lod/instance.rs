@@ -37,6 +37,14 @@ pub trait Lod: Send {
     /// last call. Without views, moves to the coarsest level of detail.
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change;
 
+    /// Does what [`adapt`](Lod::adapt) does, if that changes nothing: with the views of the last call, which has left nothing to do.
+    /// Else does nothing and returns `None`. Reads little else than the views. By default always `None`: then call `adapt`, which
+    /// tries this first by itself.
+    fn adapt_at_rest(&mut self, views: &[ObjectView]) -> Option<Change> {
+        let _ = views;
+        None
+    }
+
     /// Goes to the full resolution at once, within the triangle limit.
     fn refine_fully(&mut self) -> Change;
 

@@ -218,11 +218,16 @@ impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V> StoreLod<V, F> {
 }
 
 impl<V: Vertex, F: FnMut(StreamVertex<'_>) -> V + Send> Lod for StoreLod<V, F> {
+    fn adapt_at_rest(&mut self, views: &[ObjectView]) -> Option<Change> {
+        let (change, waited) = self.driver.at_rest(views)?;
+        if waited {
+            self.trim();
+        }
+        Some(change)
+    }
+
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        if let Some((change, waited)) = self.driver.at_rest(views) {
-            if waited {
-                self.trim();
-            }
+        if let Some(change) = self.adapt_at_rest(views) {
             return change;
         }
         self.views.clear();

@@ -335,11 +335,16 @@ impl<V: Vertex> WaveletLod<V> {
 }
 
 impl<V: Vertex> Lod for WaveletLod<V> {
+    fn adapt_at_rest(&mut self, views: &[ObjectView]) -> Option<Change> {
+        let (change, waited) = self.driver.at_rest(views)?;
+        if waited {
+            self.trim();
+        }
+        Some(change)
+    }
+
     fn adapt(&mut self, views: &[ObjectView], seconds: f32) -> Change {
-        if let Some((change, waited)) = self.driver.at_rest(views) {
-            if waited {
-                self.trim();
-            }
+        if let Some(change) = self.adapt_at_rest(views) {
             return change;
         }
         let diagonal = self.mesh.diagonal();
