@@ -74,20 +74,26 @@ impl<T: Copy + PartialEq, const BITS: u32> Paged<T, BITS> {
         start
     }
 
+    /// Returns the place of an element in its page.
+    #[inline]
+    fn within(index: u32) -> usize {
+        index as usize % Self::SIZE
+    }
+
     /// Returns an element.
     ///
     /// # Panics
     /// The index is beyond the last page.
     #[inline]
     pub fn at(&self, index: u32) -> T {
-        self.pool[self.table[(index >> BITS) as usize] as usize | index as usize % Self::SIZE]
+        self.pool[self.table[(index >> BITS) as usize] as usize + Self::within(index)]
     }
 
     /// Returns an element; one at rest if there is none of this index.
     #[inline]
     pub fn get(&self, index: u32) -> T {
         match self.table.get((index >> BITS) as usize) {
-            Some(&start) => self.pool[start as usize | index as usize % Self::SIZE],
+            Some(&start) => self.pool[start as usize + Self::within(index)],
             None => self.rest,
         }
     }
@@ -103,7 +109,7 @@ impl<T: Copy + PartialEq, const BITS: u32> Paged<T, BITS> {
         if start == 0 {
             start = self.take(page);
         }
-        &mut self.pool[start | index as usize % Self::SIZE]
+        &mut self.pool[start + Self::within(index)]
     }
 
     /// Brings an element to rest. Returns what it was.
@@ -113,7 +119,7 @@ impl<T: Copy + PartialEq, const BITS: u32> Paged<T, BITS> {
     #[inline]
     pub fn rest(&mut self, index: u32) -> T {
         let start = self.table[(index >> BITS) as usize] as usize;
-        std::mem::replace(&mut self.pool[start | index as usize % Self::SIZE], self.rest)
+        std::mem::replace(&mut self.pool[start + Self::within(index)], self.rest)
     }
 
     #[cold]

@@ -96,7 +96,7 @@ fn together_as_alone() {
     let tom = TotallyOrderedMesh::bake(&mesh).unwrap();
     let options = LodOptions::default();
     let make = |at: usize| -> Box<dyn Lod> {
-        if at % 3 == 0 {
+        if at.is_multiple_of(3) {
             Box::new(tom.instance(tom.arrange(mesh.positions()).unwrap(), &options).unwrap())
         } else {
             Box::new(hierarchy.instance(hierarchy.arrange(mesh.positions()).unwrap(), &options).unwrap())

@@ -27,6 +27,8 @@ const FRAMES: usize = 200;
 const SECONDS: f32 = 1.0 / 60.0;
 
 type Position = [f32; 3];
+/// Distance and angle of the eye, by frame.
+type Flight = fn(usize) -> [f32; 2];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -100,7 +102,7 @@ fn run(count: u32, says: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let lods: Result<Vec<_>, _> = (0..INSTANCES).map(|_| model.instance(values.clone(), &options)).collect();
     let mut lods = lods?;
     writeln!(says, "\n{INSTANCES} instances, us a frame   one by one   all cores   tests   changes")?;
-    let flights: [(&str, fn(usize) -> [f32; 2]); 4] = [
+    let flights: [(&str, Flight); 4] = [
         ("far away, still", |_| [1_000.0, 0.0]),
         ("far away, turning", |frame| [1_000.0, 0.001 * frame as f32]),
         ("at 30, still", |_| [30.0, 0.0]),
