@@ -98,6 +98,12 @@ impl<B: Copy> Cut<B> {
         self.front.arrived();
     }
 
+    /// Returns the report of an update that finds everything asleep.
+    pub(crate) fn asleep(&self) -> CutReport {
+        let blocks = self.front.blocks_now();
+        CutReport { blocks, asleep: blocks, ..CutReport::default() }
+    }
+
     /// Gives back memory if most of it is not in use.
     pub(crate) fn trim(&mut self) {
         self.front.trim();

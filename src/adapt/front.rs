@@ -369,6 +369,11 @@ impl<B: Copy> Front<B> {
         self.nodes.get(self.states.place(r) as usize).map(|node| node.asked)
     }
 
+    /// Blocks of the front.
+    pub fn blocks_now(&self) -> usize {
+        self.sleepers.blocks()
+    }
+
     /// Bytes of the arrays.
     pub fn memory(&self) -> usize {
         self.states.memory()

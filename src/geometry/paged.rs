@@ -177,9 +177,9 @@ impl<T: Copy + PartialEq, const BITS: u32> Paged<T, BITS> {
         self.pages.truncate(kept);
         self.free.clear();
         self.swept = 0;
-        self.pool.shrink_to(self.pool.len() + SPARE * Self::SIZE);
-        self.pages.shrink_to(self.pages.len() + SPARE);
-        self.free.shrink_to(self.pages.len() + SPARE);
+        self.pool.shrink_to_fit();
+        self.pages.shrink_to_fit();
+        self.free.shrink_to(self.pages.len());
     }
 
     /// Replaces every element not at rest by what `change` makes of it: not at rest either. In ascending order. O(pages).

@@ -2,8 +2,7 @@
 //! there.
 
 use crate::adapt::{
-    AT_REST, Apply, Change, Cut, CutReport, FrameLimits, RefinementSink, Refinements, States, Tolerance,
-    Weights,
+    AT_REST, Apply, Change, Cut, FrameLimits, RefinementSink, Refinements, States, Tolerance, Weights,
 };
 use crate::view::{Answer, Bounds, Criterion, Motion, ObjectView};
 
@@ -163,9 +162,7 @@ impl<B: Copy> Driver<B> {
         let change = self.adapt_by(of, (views, motion, seconds, diagonal), sink, cost);
         self.views.extend_from_slice(views);
         if change.pending == 0 && change.moving == 0 && !change.over_budget {
-            let blocks = change.cut.blocks;
-            let cut = CutReport { blocks, asleep: blocks, ..CutReport::default() };
-            self.rest = Some(Change { cut, ..change });
+            self.rest = Some(Change { cut: self.cut.asleep(), ..change });
         }
         change
     }
