@@ -31,7 +31,8 @@ impl Dirty {
         }
         self.words[word] |= 1 << (element % 64);
         if !self.used.contains(&word) {
-            self.used = self.used.start.min(word)..self.used.end.max(word + 1);
+            let used = if self.used.is_empty() { word..word } else { self.used.clone() };
+            self.used = used.start.min(word)..used.end.max(word + 1);
         }
     }
 

@@ -14,6 +14,9 @@
 //! fails only where a wing is in parts, and two of them touch both u and v. The farther one and the edges to u and v enclose the
 //! nearer one, so at the undone collapse that joins them, of i and o, all neighbours of i but o belong to u or v, and the wings of
 //! i and o are one in u, one in v. Such a split needs the one of u and v.
+//!
+//! **At points.** All that is about points. Parents are vertices: where a point has several, at a seam, a later collapse of the point
+//! may touch none of those of an earlier one. Then the earlier one's split needs the later one's, too.
 
 use crate::mesh::NONE;
 
@@ -65,8 +68,8 @@ impl Joins {
     }
 }
 
-/// Finds, for every split, the splits that part its wings: as pairs of a split and one needed by it, without those that are above
-/// it anyway. `order` lists the splits in the order of their collapses, `point_of` the point of every leaf. O(n log n).
+/// Finds, for every split, the splits that part its wings, and those that changed its point next: as pairs of a split and one needed
+/// by it, without those that are needed anyway. `order` lists the splits in the order of their collapses, `point_of` the point of every leaf. O(n log n).
 pub(super) fn wing_pairs(hierarchy: &VertexHierarchy, order: &[u32], point_of: &[u32]) -> Vec<[u32; 2]> {
     let points = point_of.iter().max().map_or(0, |&point| point as usize + 1);
     // New vertices are points of their own until their collapse joins them with those that they replace.
@@ -79,11 +82,20 @@ pub(super) fn wing_pairs(hierarchy: &VertexHierarchy, order: &[u32], point_of: &
     // Per split, one of its points and wings, in the order of the collapses.
     let mut wings: Vec<[u32; 3]> = Vec::new();
     let mut splits: Vec<u32> = Vec::new();
+    let mut pairs = Vec::new();
+    // Per point, the last split that changed it.
+    let mut last = vec![NONE; joins.parent.len()];
     let (mut ends, mut around): (Vec<u32>, Vec<u32>) = Default::default();
     for (&split, when) in order.iter().zip(1..) {
         ends.clear();
         for &vertex in hierarchy.brings.get(split) {
             ends.extend([vertex, hierarchy.substitute[vertex as usize]].map(|end| joins.find(point(end))));
+        }
+        for &end in &ends {
+            let before = last[end as usize];
+            if before != NONE && before != split && !hierarchy.parents.get(before).contains(&split) {
+                pairs.push([before, split]);
+            }
         }
         around.clear();
         for triangle in hierarchy.owned(split) {
@@ -105,11 +117,11 @@ pub(super) fn wing_pairs(hierarchy: &VertexHierarchy, order: &[u32], point_of: &
         for &vertex in hierarchy.brings.get(split) {
             joins.join(point(vertex), point(hierarchy.substitute[vertex as usize]), when);
         }
+        last[joins.find(ends[0]) as usize] = split;
     }
-    let mut pairs = Vec::new();
     for (&split, &[own, first, second]) in splits.iter().zip(&wings) {
         let when = joins.when(first, second);
-        // Where the point itself was joined with a wing before, the collapses from then on are above its split.
+        // Where the point itself was joined with a wing before, the collapses from then on are needed by its split anyway.
         if when != NONE && joins.when(own, first).min(joins.when(own, second)) >= when {
             pairs.push([split, order[when as usize - 1]]);
         }

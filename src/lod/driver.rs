@@ -134,6 +134,13 @@ impl<B: Copy> Driver<B> {
         Some((change, self.patience.frame(change.triangles, false)))
     }
 
+    /// Corrects the triangles of a rest: where they were counted before the change was drawn.
+    pub fn rest_at(&mut self, triangles: usize) {
+        if let Some(rest) = &mut self.rest {
+            rest.triangles = triangles;
+        }
+    }
+
     /// Counts a frame with changes. Returns whether to give back memory.
     pub fn waited(&mut self, change: &Change) -> bool {
         self.patience.frame(change.triangles, true)

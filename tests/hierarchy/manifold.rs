@@ -201,7 +201,9 @@ fn made(which: usize) -> Mesh {
         3 => meshes::grid(20, 20, |x, y| (3.0 * x).sin() * (2.0 * y).cos()),
         4 => meshes::tube(12, 30),
         5 => meshes::seamed_grid(20, 14, |x, y| (x - y).abs()),
-        _ => shapes::shell(2, 0.8),
+        6 => shapes::shell(2, 0.8),
+        7 => meshes::quilt(4, 5, false, |x, y| (2.0 * x).sin() + y * y),
+        _ => meshes::quilt(6, 3, true, |x, y| (3.0 * x - y).cos()),
     }
 }
 
@@ -209,7 +211,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn every_cut_of_a_manifold_is_one(which in 0usize..7, optimal: bool, keep: bool, seed: u64) {
+    fn every_cut_of_a_manifold_is_one(which in 0usize..9, optimal: bool, keep: bool, seed: u64) {
         let placement = if optimal { Placement::Optimal } else { Placement::Endpoint };
         let parts = if keep { Parts::Keep } else { Parts::Vanish };
         let mut subject = Subject::new(&made(which), placement, parts, Dependencies::Manifold);

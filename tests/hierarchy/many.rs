@@ -115,3 +115,27 @@ fn together_as_alone() {
     let none: [(&mut HierarchyLod, &[ObjectView]); 0] = [];
     assert!(adapt_all(none, SECONDS).is_empty());
 }
+
+/// A call at rest reports what is drawn, of wavelets too, whose triangles are written after the cut has moved.
+#[test]
+fn at_rest_the_report_is_of_what_is_drawn() {
+    let mesh = shapes::icosphere(5);
+    let hierarchy = VertexHierarchy::bake(&mesh).unwrap();
+    let wavelets = WaveletMesh::bake(&mesh).unwrap();
+    for options in [LodOptions::default(), LodOptions::default().with_operations(Some(100_000))] {
+        let mut lods: [Box<dyn Lod>; 2] = [
+            Box::new(hierarchy.instance(hierarchy.arrange(mesh.positions()).unwrap(), &options).unwrap()),
+            Box::new(wavelets.instance(wavelets.arrange(mesh.positions()).unwrap(), &options).unwrap()),
+        ];
+        for lod in &mut lods {
+            for distance in [2.0, 9.0, 3.0, 40.0] {
+                let views = from(&mesh, distance);
+                let moved = lod.adapt(&views, SECONDS).triangles;
+                assert_eq!(moved, lod.triangles(0).len());
+                for change in [lod.adapt(&views, SECONDS), lod.adapt_at_rest(&views).unwrap()] {
+                    assert_eq!((change.triangles, change.cut.tests, change.pending), (moved, 0, 0));
+                }
+            }
+        }
+    }
+}

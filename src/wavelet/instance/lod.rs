@@ -164,6 +164,9 @@ impl<V: Vertex> WaveletLod<V> {
     /// Gives back memory if most of it is not in use.
     fn trim(&mut self) {
         self.driver.trim();
+        if let Some(asked) = &mut self.asked {
+            asked.trim();
+        }
         self.shown.surface.trim();
         self.shown.vertices.trim();
     }
@@ -350,6 +353,7 @@ impl<V: Vertex> Lod for WaveletLod<V> {
         let diagonal = self.mesh.diagonal();
         let change =
             self.drive(|driver, mesh, sink, cost| driver.adapt(mesh, (views, seconds, diagonal), sink, cost));
+        self.driver.rest_at(change.triangles);
         if self.driver.waited(&change) {
             self.trim();
         }
