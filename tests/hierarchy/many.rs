@@ -7,7 +7,7 @@ use multires::mesh::shapes;
 use multires::prelude::*;
 use multires::view::ObjectView;
 
-use crate::support::lod::view;
+use crate::support::lod::{places, view};
 
 const SECONDS: f32 = 1.0 / 60.0;
 
@@ -125,7 +125,7 @@ fn at_rest_the_report_is_of_what_is_drawn() {
     for options in [LodOptions::default(), LodOptions::default().with_operations(Some(100_000))] {
         let mut lods: [Box<dyn Lod>; 2] = [
             Box::new(hierarchy.instance(hierarchy.arrange(mesh.positions()).unwrap(), &options).unwrap()),
-            Box::new(wavelets.instance(wavelets.arrange(mesh.positions()).unwrap(), &options).unwrap()),
+            Box::new(wavelets.instance(places(&wavelets), &options).unwrap()),
         ];
         for lod in &mut lods {
             for distance in [2.0, 9.0, 3.0, 40.0] {

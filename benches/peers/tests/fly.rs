@@ -34,7 +34,7 @@ fn every_contender_flies() {
     assert_eq!(triangles, 8.0 * 256.0);
     let flights = mesh["flights"].as_array().unwrap();
     let names: Vec<&str> = flights.iter().map(|f| f["contender"].as_str().unwrap()).collect();
-    assert_eq!(names, ["clusterlod", "none", "adjacent", "neighbours"]);
+    assert_eq!(names, ["clusterlod", "none", "manifold", "adjacent", "neighbours"]);
     for flight in flights {
         let drawn = flight["drawn"]["mean"].as_f64().unwrap();
         let inside = flight["in_frustum"].as_f64().unwrap();
