@@ -47,7 +47,7 @@ pub use baked::{
 };
 pub use error::{Place, ReadError, WriteError};
 pub use format::Format;
-pub use gltf::GltfTextures;
+pub use gltf::{GltfDocument, GltfLevels, GltfPose, GltfTextures};
 pub use import::{Imported, ReadOptions, SceneOrigin};
 pub use model::{StoredModel, open_model, read_model, read_model_with, unbake_model};
 pub use read_write::{read, read_bytes, read_bytes_with, read_with, write, write_bytes, write_textured};

@@ -19,6 +19,9 @@ pub mod names {
     pub const JOINTS: &str = "joints";
     /// Skin weights, 4 floats. Further sets are `weights1` and so on.
     pub const WEIGHTS: &str = "weights";
+    /// Offsets from the positions to those of a morph target or a pose, 3 floats, object units. Further targets are
+    /// `displacement1` and so on. In the costs of collapses each counts as much as the positions.
+    pub const DISPLACEMENT: &str = "displacement";
 
     /// The lowest vertex equal to each vertex, 1 unsigned integer.
     /// [`Mesh::from_vertices`](crate::mesh::Mesh::from_vertices) adds it to tell vertices at equal positions apart. In

@@ -25,7 +25,7 @@ fn value(kind: ComponentType, bytes: &[u8]) -> f64 {
 }
 
 /// Returns the stored integer of a normalised value of 1 (glTF 2.0, 3.11).
-fn one(kind: ComponentType) -> f64 {
+pub(super) fn one(kind: ComponentType) -> f64 {
     match kind {
         ComponentType::I8 => 127.0,
         ComponentType::U8 => 255.0,
@@ -34,6 +34,9 @@ fn one(kind: ComponentType) -> f64 {
         ComponentType::U32 | ComponentType::F32 => 1.0,
     }
 }
+
+/// Most elements of an accessor that are not stored.
+const NOT_STORED: usize = 1 << 20;
 
 /// The type of an accessor's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,23 +75,35 @@ impl<'a> Store<'a> {
         self.bytes
     }
 
-    fn accessor(&self, index: usize) -> Result<&'a Accessor, ReadError> {
+    /// Returns the buffers.
+    pub fn buffers(&self) -> &'a [Cow<'a, [u8]>] {
+        self.buffers
+    }
+
+    pub fn accessor(&self, index: usize) -> Result<&'a Accessor, ReadError> {
         let count = self.document.accessors.len();
         let missing = || ReadError::invalid(format!("accessor {index} is named, but there are {count}"));
         self.document.accessors.get(index).ok_or_else(missing)
     }
 
     /// Returns the number of elements. Rejects a count above the bytes of all buffers, so a count cannot cause
-    /// unlimited memory use.
+    /// unlimited memory use; elements that are not stored (0 unless a sparse part replaces them) may be a million.
     pub fn count(&self, index: usize) -> Result<usize, ReadError> {
-        let count = size(self.accessor(index)?.count);
-        let bytes = self.bytes;
-        if count > bytes {
+        let accessor = self.accessor(index)?;
+        let (count, bytes) = (size(accessor.count), self.bytes);
+        let most = if accessor.buffer_view.is_some() { bytes } else { bytes.max(NOT_STORED) };
+        if count > most {
             return Err(ReadError::too_large(format!(
                 "accessor {index} has {count} elements, the buffers {bytes} bytes"
             )));
         }
         Ok(count)
+    }
+
+    /// Returns the number of elements replaced by a sparse part; work that [`count`](Self::count) does not bound.
+    pub fn replaced(&self, index: usize) -> usize {
+        let sparse = self.document.accessors.get(index).and_then(|a| a.sparse.as_ref());
+        sparse.map_or(0, |sparse| size(sparse.count))
     }
 
     pub fn shape(&self, index: usize) -> Result<Shape, ReadError> {

@@ -2,30 +2,40 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `document.rs` | the document (`gltf-json`), the GLB container and the buffers |
+//! | `document.rs`, `container.rs` | the geometric part of the document (`gltf-json`); GLB chunks and buffers |
+//! | `extensions.rs` | extensions: known, refused, kept |
 //! | `accessor.rs` | values out of buffers |
-//! | `scene.rs` | nodes and their world transforms |
-//! | `read.rs` | primitives to a mesh |
 //! | `semantics.rs` | attributes' names |
+//! | `scene.rs` | nodes and their world transforms |
+//! | `primitives.rs`, `normals.rs` | primitives to vertices and triangles; normals that are missing |
+//! | `read.rs` | a scene to a mesh |
 //! | `write.rs` | a mesh to a file |
+//! | `whole/` | [`GltfDocument`]: a file of which only the meshes change |
 //!
-//! Read: triangles, strips and fans of every mesh shown by a node of the scene, once for each such node. Positions and
-//! normals are transformed to world space; triangles are flipped if the transform mirrors. Skins and morph targets are
-//! not applied: a skinned mesh is in bind pose at its node. Material ids and names are the document's. If only some
-//! primitives have a material, the other primitives get the number of materials as id. Primitives with equal accessors
-//! share vertices.
+//! Read: triangles, strips and fans of every mesh shown by a node of the scene, once for each such node and each of its
+//! instances. Positions and normals are transformed to world space; triangles are flipped if the transform mirrors. Skins
+//! and morph targets are not applied: a skinned mesh is in bind pose, in its own space. Material ids and names are the
+//! document's. If only some primitives have a material, the other primitives get the number of materials as id. Primitives
+//! with equal accessors share vertices.
 //!
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
-//! `_NAME` an attribute called `NAME`. Primitives lacking an attribute get zeros. Images are never opened; a written
-//! file refers to pictures where asked to ([`GltfTextures`]).
+//! `_NAME` an attribute called `NAME`. Primitives lacking an attribute that others have get white colours, normals from
+//! their triangles, and zeros; if some lack tangents, tangents are left out. Images are never opened; a written file refers
+//! to pictures where asked to ([`GltfTextures`]).
 
 mod accessor;
+mod container;
 mod document;
+mod extensions;
+mod normals;
+mod primitives;
 mod read;
 mod scene;
 mod semantics;
+mod whole;
 mod write;
 
 pub(super) use read::read;
+pub use whole::{GltfDocument, GltfLevels, GltfPose};
 pub use write::GltfTextures;
 pub(super) use write::write;

@@ -48,6 +48,8 @@ pub(super) fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, us
             let taken = own.is_empty() || (1..=4).any(|width| self::semantic(own, width).is_some());
             let name = if taken { semantic.to_string() } else { own.clone() };
             let values = match (shape.is_float(), shape.is_signed()) {
+                // Numbers of features (EXT_mesh_features) are no quantities, though some files have them as floats.
+                _ if own.starts_with("FEATURE_ID_") => uint,
                 (true, _) => float,
                 (_, true) => AttributeValues::Int(Vec::new()),
                 _ => uint,
@@ -55,6 +57,13 @@ pub(super) fn attribute(semantic: &Semantic, shape: Shape) -> Option<(String, us
             (name, shape.width, values)
         }
     })
+}
+
+/// Returns the name of the attribute for a semantic of a morph target: `displacement` and its number for positions; for
+/// others this name, a dot and the semantic.
+pub(super) fn displacement(target: usize, semantic: &str) -> String {
+    let name = numbered(names::DISPLACEMENT, target as u32);
+    if semantic == "POSITION" { name } else { format!("{name}.{semantic}") }
 }
 
 /// Returns a primitive's attributes with a valid semantic, with their accessors.

@@ -21,7 +21,8 @@ use super::semantics::semantic;
 const MAX_MATERIALS: u32 = 1 << 16;
 
 /// Characters of a relative path that a URI has as they are.
-const IN_URI: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_').remove(b'~');
+pub(super) const IN_URI: &AsciiSet =
+    &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_').remove(b'~');
 
 /// Pictures that a glTF file refers to, for all its materials: paths relative to the file, with `/` between folders. The
 /// files are not opened.
@@ -72,7 +73,7 @@ pub(in crate::io) fn write(
         document["buffers"] = json!([{ "byteLength": buffer.len() }]);
     }
     if binary {
-        return glb(&document, &buffer);
+        return glb(document.to_string().into_bytes(), &buffer);
     }
     if !buffer.is_empty() {
         document["buffers"][0]["uri"] =
@@ -312,8 +313,8 @@ fn by_material(mesh: &Mesh) -> (Runs, Vec<u32>) {
     (runs.collect(), order)
 }
 
-fn glb(document: &Value, buffer: &[u8]) -> Result<Vec<u8>, WriteError> {
-    let mut json = document.to_string().into_bytes();
+/// Joins the text of a document and its buffer to a .glb.
+pub(super) fn glb(mut json: Vec<u8>, buffer: &[u8]) -> Result<Vec<u8>, WriteError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let chunk = if buffer.is_empty() { 0 } else { 8 + buffer.len() };
     let length = 20 + json.len() + chunk;

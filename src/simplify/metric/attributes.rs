@@ -61,7 +61,8 @@ impl<'a> Attributes<'a> {
     /// Counts normals, all sets of texture coordinates and all sets of colours of the mesh, with weights for rendering:
     /// normals [`NORMAL_WEIGHT`](Self::NORMAL_WEIGHT), at most [`NORMAL_EDGES`](Self::NORMAL_EDGES) of an edge; colours
     /// [`COLOR_WEIGHT`](Self::COLOR_WEIGHT); texture coordinates [`SLIDE_WEIGHT`](Self::SLIDE_WEIGHT) times the distance
-    /// covered by 1 unit on this mesh's surface.
+    /// covered by 1 unit on this mesh's surface; displacements as much as the distance they are off by (Mohr and Gleicher
+    /// 2003, "Deformation sensitive decimation": the sum over the poses).
     pub fn customary(mesh: &'a Mesh) -> Self {
         let mut all = Self::new(mesh);
         if mesh.attribute(names::NORMAL).is_some() {
@@ -74,6 +75,8 @@ impl<'a> Attributes<'a> {
                 all = all.optional(name, Self::SLIDE_WEIGHT * units_per_uv(mesh, attribute));
             } else if names::is_set_of(name, names::COLOR) {
                 all = all.optional(name, Self::COLOR_WEIGHT);
+            } else if names::is_set_of(name, names::DISPLACEMENT) {
+                all = all.optional(name, per_unit(mesh));
             }
         }
         all
@@ -180,6 +183,12 @@ fn edge_length(mesh: &Mesh) -> f64 {
     let (sum, count) = (mesh.triangles().iter().map(area).sum::<f64>(), mesh.triangles().len() as f64);
     let length = (4.0 / 3f64.sqrt() * sum / count).sqrt() / mesh.diagonal();
     if length.is_finite() { length } else { 0.0 }
+}
+
+/// Weight by which a deviation of 1 object unit counts as this distance; 0 without a diagonal.
+fn per_unit(mesh: &Mesh) -> f32 {
+    let weight = 1.0 / mesh.diagonal();
+    if weight.is_finite() { weight.min(f64::from(MAX_WEIGHT)) as f32 } else { 0.0 }
 }
 
 /// Mean distance on the surface covered by 1 unit of a set of texture coordinates, as a share of the diagonal; 0 where
