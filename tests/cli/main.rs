@@ -5,14 +5,21 @@
 mod command;
 #[path = "../support/content.rs"]
 mod content;
+#[cfg(feature = "cli")]
+#[path = "../support/gltf_samples.rs"]
+mod gltf_samples;
 #[path = "../support/models.rs"]
 mod models;
+#[cfg(feature = "cli")]
+#[path = "../support/gltf_validator.rs"]
+mod validator;
 #[path = "../support/wavelet.rs"]
 mod wavelet_support;
 
 mod advice;
 mod commands;
 mod every_model;
+mod gltf;
 mod gmesh;
 mod hierarchy;
 mod large_coordinates;

@@ -70,6 +70,40 @@ fn levels_hold_in_every_target() {
     }
 }
 
+/// Frames of each animation.
+const FRAMES: usize = 8;
+
+/// The largest sampled distances of a level from its mesh: as they are, and over poses.
+fn bent(document: &GltfDocument, index: usize, share: f64, frames: usize) -> [f64; 2] {
+    let mesh = document.mesh(index).unwrap().unwrap().mesh;
+    let poses = document.poses(index, frames).unwrap();
+    let with = GltfDocument::with_poses(&mesh, &GltfDocument::extreme_poses(&poses, &mesh, 4)).unwrap();
+    let sequence = multires::Simplifier::new().target(multires::Target::Ratio(share)).run(&with).unwrap();
+    let level = sequence.extract(&with, sequence.len());
+    let options = DistanceOptions::default().with_samples(5_000);
+    let apart = |a: Vec<[f32; 3]>, b: Vec<[f32; 3]>| {
+        distance(&posed(&mesh, a), &posed(&level, b), &options).unwrap().hausdorff()
+    };
+    let still = apart(mesh.positions().to_vec(), level.positions().to_vec());
+    let all = poses.iter().map(|pose| apart(pose.positions(&mesh), pose.positions(&level)));
+    [still, all.fold(0.0, f64::max)]
+}
+
+#[test]
+fn game_figures_do_not_tear() {
+    let test = "game_figures_do_not_tear";
+    for (name, meshes) in [("game/Fox.glb", 1), ("game/pigman/scene.gltf", 14)] {
+        let Some(path) = crate::models::find(test, name) else { continue };
+        let document = GltfDocument::read(path).unwrap();
+        assert_eq!(document.mesh_count(), meshes);
+        let all: Vec<[f64; 2]> = (0..meshes).map(|i| bent(&document, i, 0.25, FRAMES)).collect();
+        // Over the whole figure, in the units of its meshes: all have the same scale but for rounding and the axe.
+        let [still, posed] = [0, 1].map(|i| all.iter().map(|e| e[i]).fold(0.0, f64::max));
+        eprintln!("{name}: {still:.4} still, {posed:.4} over the frames: {:.3}", posed / still);
+        assert!(posed <= 1.5 * still, "{name}: {posed} over the frames, {still} still");
+    }
+}
+
 #[test]
 fn extremes_are_the_poses_that_bend_most() {
     let document = GltfDocument::from_bytes(&gltf_samples::skinned().glb()).unwrap();

@@ -114,6 +114,6 @@ impl Run for Adapt {
             table.row("tolerances", format!("{factor:.3} times as large, for the budget"));
         }
         table.row("tests, refinements", format!("{}, {refinements}", change.cut.tests));
-        Ok(Answer { json, text: table.text(), warnings })
+        Ok(Answer { json, text: table.text(), warnings, failures: Vec::new() })
     }
 }

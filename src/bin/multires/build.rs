@@ -326,7 +326,7 @@ impl Build {
         table.block(facts.rows.text());
         table.block(rows.text());
         table.row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings: notes })
+        Ok(Answer { json, text: table.text(), warnings: notes, failures: Vec::new() })
     }
 }
 

@@ -186,7 +186,7 @@ impl Run for Extract {
         table.row("output", files::describe_text(&self.output, &mesh));
         table.row("of the finest", format!("{:.2} % of the triangles", of.unwrap_or(100.0)));
         table.row("error", error_text(f64::from(error), error_percent));
-        Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+        Ok(Answer { json, text: table.text(), warnings: Vec::new(), failures: Vec::new() })
     }
 }
 
@@ -239,6 +239,6 @@ impl Extract {
         );
         let error = error_text(f64::from(error), error_percent);
         table.row("error", format!("{error}, {} bound", facts::bound(bundle)));
-        Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+        Ok(Answer { json, text: table.text(), warnings: Vec::new(), failures: Vec::new() })
     }
 }

@@ -188,6 +188,6 @@ impl Run for Fly {
             "frames": rows.len(),
             "columns": columns,
         });
-        Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+        Ok(Answer { json, text: table.text(), warnings: Vec::new(), failures: Vec::new() })
     }
 }

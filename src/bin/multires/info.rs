@@ -67,7 +67,7 @@ fn mesh(path: &Path) -> Result<Answer, Failure> {
         None => table.row("bounds", "-"),
     };
     table.row("memory", format!("{} bytes", mesh.memory()));
-    Ok(Answer { json, text: table.text(), warnings })
+    Ok(Answer { json, text: table.text(), warnings, failures: Vec::new() })
 }
 
 fn baked(path: &Path) -> Result<Answer, Failure> {
@@ -110,7 +110,7 @@ fn baked(path: &Path) -> Result<Answer, Failure> {
         let (name, stored, element) = (&section.name, section.stored, section.element);
         table.row("section", format!("{name}: {elements} of {element} bytes, {stored} bytes{plain}"));
     }
-    Ok(Answer { json, text: table.text(), warnings: Vec::new() })
+    Ok(Answer { json, text: table.text(), warnings: Vec::new(), failures: Vec::new() })
 }
 
 /// Describes a section, for JSON.

@@ -6,7 +6,7 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify.rs`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs`, `remesh.rs` | a command each |
+//! | `info.rs`, `simplify/`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs`, `remesh.rs` | a command each |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
 //! | `batches.rs` | arguments about batches, and the list of what each left |
@@ -17,6 +17,7 @@
 //! | `path.rs` | camera paths as text |
 //! | `files.rs` | reading and writing, checked before the work starts |
 //! | `output.rs` | [`Answer`](output::Answer), [`Failure`](output::Failure), exit codes |
+//! | `workers.rs` | work on all cores |
 //! | `progress.rs` | a bar on stderr, if it is a terminal |
 
 mod adapt;
@@ -42,6 +43,7 @@ mod progress;
 mod remesh;
 mod rules;
 mod simplify;
+mod workers;
 
 use std::process::ExitCode;
 

@@ -164,7 +164,7 @@ impl Run for Measure {
             table.row("colours", format!("dark blue 0 to yellow {to}, distance of A's vertices from B"));
         }
         table.block("").row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings })
+        Ok(Answer { json, text: table.text(), warnings, failures: Vec::new() })
     }
 }
 

@@ -25,6 +25,8 @@ pub struct Answer {
     pub text: String,
     /// A line each, printed on stderr in both cases.
     pub warnings: Vec<String>,
+    /// Files that could not be worked on, among others that could; a line each, printed on stderr. With any the exit code is 1.
+    pub failures: Vec<String>,
 }
 
 /// Why a command did nothing.
@@ -56,9 +58,12 @@ pub fn answer(answer: &Answer, json: bool) -> ExitCode {
         complain("warning", warning);
     }
     let text = if json { answer.json.to_string() } else { answer.text.clone() };
-    match say(&text) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+    let code = if answer.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    let said = say(&text);
+    answer.failures.iter().for_each(|failure| complain("error", failure));
+    match said {
+        Ok(()) => code,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => code,
         Err(error) => {
             complain("error", &format!("standard output: {error}"));
             ExitCode::FAILURE

@@ -386,6 +386,6 @@ impl Run for Remesh {
             }
         }
         table.row("seconds", format!("{seconds:.3}"));
-        Ok(Answer { json, text: table.text(), warnings })
+        Ok(Answer { json, text: table.text(), warnings, failures: Vec::new() })
     }
 }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use gltf_json::validation::USize64;
 use gltf_json::{Accessor, Asset, Buffer, Mesh, buffer};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::container::chunks;
 use super::extensions;
@@ -29,6 +30,9 @@ pub(super) struct Document {
     pub buffer_views: Vec<buffer::View>,
     pub buffers: Vec<Buffer>,
     pub extensions_required: Vec<String>,
+    /// Counted only.
+    pub skins: Vec<IgnoredAny>,
+    pub animations: Vec<IgnoredAny>,
 }
 
 /// A material: only its name is used.

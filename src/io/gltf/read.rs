@@ -36,5 +36,21 @@ pub(in crate::io) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draf
             .notes
             .push(format!("{count} primitives have no tangents, unlike others: tangents are left out"));
     }
+    let of = |count: usize, one: &str, many: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        _ => Some(format!("{count} {many}")),
+    };
+    let primitives = document.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let targets = primitives.filter_map(|p| p.targets.as_ref().map(Vec::len)).max().unwrap_or(0);
+    let left = [
+        of(document.skins.len(), "skin", "skins"),
+        of(document.animations.len(), "animation", "animations"),
+        of(targets, "morph target", "morph targets"),
+    ];
+    let left: Vec<String> = left.into_iter().flatten().collect();
+    if !left.is_empty() {
+        draft.notes.push(format!("{}: no part of a mesh, and left out", left.join(", ")));
+    }
     Ok(draft)
 }

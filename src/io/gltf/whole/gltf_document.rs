@@ -60,8 +60,6 @@ pub struct GltfDocument {
     /// Bytes of the file.
     bytes: usize,
     pub(super) rig: Rig,
-    /// Largest length of a unit of each mesh in the scenes; 0 for meshes that no node shows.
-    scales: Vec<f64>,
     pub(super) replaced: BTreeMap<usize, Encoded>,
     /// Meshes behind the document's own.
     pub(super) added: Vec<Added>,
@@ -114,7 +112,6 @@ impl GltfDocument {
             buffers.into_iter().map(|bytes| Cow::Owned(bytes.into_owned())).collect();
         let store = Store::new(&document, &buffers);
         let rig = Rig::new(&store, &sections)?;
-        let scales = rig.scales(&document);
         let meshes = sections.array("meshes");
         let name = |text| value(text).get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
         Ok(Self {
@@ -126,7 +123,6 @@ impl GltfDocument {
             directory: directory.map(Path::to_owned),
             bytes: bytes.len(),
             rig,
-            scales,
             replaced: BTreeMap::new(),
             added: Vec::new(),
             notes: Vec::new(),
@@ -145,9 +141,14 @@ impl GltfDocument {
     }
 
     /// Returns the largest length that 1 unit of a mesh has in the scenes, over all nodes that show it; of a skinned mesh in
-    /// the pose of the document. 1 for meshes that no node shows.
+    /// the pose of the document, over the joints that move its vertices. 1 for meshes that no node shows. O(nodes), and
+    /// O(vertices) if skinned.
     pub fn mesh_scale(&self, mesh: usize) -> f64 {
-        self.scales.get(mesh).copied().filter(|s| *s > 0.0 && s.is_finite()).unwrap_or(1.0)
+        if mesh >= self.mesh_count() {
+            return 1.0;
+        }
+        let scale = self.rig.scale(&self.store(), mesh);
+        if scale > 0.0 && scale.is_finite() { scale } else { 1.0 }
     }
 
     /// Returns the lines about what was left out when meshes were replaced.

@@ -2,14 +2,18 @@
 
 use glam::{DMat4, DVec3, DVec4};
 
+use crate::error::MeshError;
 use crate::io::error::ReadError;
-use crate::mesh::{AttributeValues, Mesh, names};
+use crate::mesh::{Attribute, AttributeValues, Mesh, names};
 
 use super::gltf_document::GltfDocument;
 use super::rig::{Curves, Posture};
 
 /// Most frames looked at.
 const MOST_FRAMES: usize = 480;
+
+/// Number of the first set of displacements of poses: beyond the morph targets of any file.
+const FIRST_POSE: usize = 1_000_000;
 
 /// Most vertices by which poses are compared.
 const COMPARED: usize = 256;
@@ -210,6 +214,23 @@ fn bend(from: &[DVec3], to: &[DVec3]) -> Vec<DVec3> {
 }
 
 impl GltfDocument {
+    /// Returns a mesh with the offsets to poses as further sets of [`names::DISPLACEMENT`]: simplified with customary attribute
+    /// weights, it keeps its shape in all of them (Mohr and Gleicher 2003). [`replace`](Self::replace) leaves the sets out again.
+    ///
+    /// # Errors
+    /// A mesh with such sets of poses already.
+    pub fn with_poses(mesh: &Mesh, poses: &[GltfPose]) -> Result<Mesh, MeshError> {
+        let mut with = mesh.clone();
+        for (i, pose) in poses.iter().enumerate() {
+            let to = pose.positions(mesh);
+            let offset = |(to, from): (&[f32; 3], &[f32; 3])| [0, 1, 2].map(|i| to[i] - from[i]);
+            let offsets = to.iter().zip(mesh.positions()).flat_map(offset).collect();
+            let name = format!("{}{}", names::DISPLACEMENT, FIRST_POSE + i);
+            with = with.with_attribute(Attribute::new(name, 3, AttributeValues::Float(offsets)))?;
+        }
+        Ok(with)
+    }
+
     /// Returns the poses among `poses` that bend a mesh most and differ most from each other, at most `count`; the farthest
     /// first. Motions of the mesh as a whole do not count. O(poses * count).
     pub fn extreme_poses(poses: &[GltfPose], mesh: &Mesh, count: usize) -> Vec<GltfPose> {

@@ -2,15 +2,18 @@
 //!
 //! Read leniently: what is damaged moves nothing, since the file's animations are only looked at, and written as they were.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DMat4, DQuat, DVec3};
+use gltf_json::mesh::Semantic;
+use gltf_json::validation::Checked;
 use serde_json::Value;
 
 use crate::io::error::ReadError;
 use crate::io::gltf::accessor::Store;
 use crate::io::gltf::document::Document;
 use crate::io::gltf::scene::{self, largest_scale};
+use crate::io::gltf::semantics::attributes;
 
 use super::sections::{Sections, elements, index, value};
 
@@ -67,7 +70,7 @@ pub(super) struct Posture {
     pub weights: BTreeMap<usize, Vec<f64>>,
 }
 
-/// Values of accessors that animations use.
+/// Values of accessors, loaded once.
 #[derive(Default)]
 pub(super) struct Curves {
     values: BTreeMap<usize, Vec<f64>>,
@@ -195,24 +198,60 @@ impl Rig {
         skin.joints.iter().zip(&skin.inverse_bind).map(|(&joint, inverse)| world(joint) * *inverse).collect()
     }
 
-    /// Returns the largest length of a unit of each mesh; 0 for meshes that no node shows.
-    pub fn scales(&self, document: &Document) -> Vec<f64> {
-        let rest = self.at_rest(document);
-        let mut scales = vec![0.0f64; document.meshes.len()];
-        // Many nodes may share a skin.
-        let mut of_skin: BTreeMap<usize, f64> = BTreeMap::new();
-        for (n, node) in document.nodes.iter().enumerate() {
-            let Some(scale) = node.mesh.and_then(|mesh| scales.get_mut(mesh)) else { continue };
-            let own = match node.skin.filter(|skin| *skin < self.skins.len()) {
-                None => largest_scale(&rest.worlds[n]),
-                Some(skin) => *of_skin.entry(skin).or_insert_with(|| {
-                    self.joints(skin, &rest).iter().map(largest_scale).fold(0.0, f64::max)
-                }),
-            };
-            *scale = scale.max(own);
+    /// Returns the largest length of a unit of a mesh over the nodes that show it; 0 if none does. O(nodes + vertices).
+    pub fn scale(&self, store: &Store, mesh: usize) -> f64 {
+        let rest = self.at_rest(store.document);
+        let mut skins = BTreeSet::new();
+        let mut scale = 0.0f64;
+        for (n, node) in store.document.nodes.iter().enumerate().filter(|(_, node)| node.mesh == Some(mesh)) {
+            match node.skin.filter(|skin| *skin < self.skins.len()) {
+                None => scale = scale.max(largest_scale(&rest.worlds[n])),
+                Some(skin) => {
+                    skins.insert(skin);
+                }
+            }
         }
-        scales
+        if skins.is_empty() {
+            return scale;
+        }
+        // Skins have joints for all meshes of a figure, some of them of other scales.
+        let used = used_joints(store, mesh);
+        let scales = skins.iter().flat_map(|&skin| {
+            let joints = self.joints(skin, &rest).into_iter().enumerate();
+            joints
+                .filter(|(j, _)| used.contains(j))
+                .map(|(_, matrix)| largest_scale(&matrix))
+                .collect::<Vec<_>>()
+        });
+        scales.fold(scale, f64::max)
     }
+}
+
+/// Returns the joints that move vertices of a mesh.
+fn used_joints(store: &Store, mesh: usize) -> BTreeSet<usize> {
+    let mut pairs = BTreeSet::new();
+    for primitive in &store.document.meshes[mesh].primitives {
+        for (semantic, joints) in attributes(primitive) {
+            let Semantic::Joints(set) = semantic else { continue };
+            let weights = primitive.attributes.get(&Checked::Valid(Semantic::Weights(*set)));
+            pairs.extend(weights.map(|weights| (joints, weights.value())));
+        }
+    }
+    let mut used = BTreeSet::new();
+    let mut curves = Curves::default();
+    for (joints, weights) in pairs {
+        [joints, weights].iter().for_each(|&accessor| curves.load(store, accessor));
+        let pairs = curves.get(joints).iter().zip(curves.get(weights));
+        let mut last = f64::NAN;
+        for (&joint, _) in pairs.filter(|(_, weight)| **weight > 0.0) {
+            // Neighbours mostly have the same joints.
+            if joint != last {
+                used.insert(joint as usize);
+                last = joint;
+            }
+        }
+    }
+    used
 }
 
 /// Translation, rotation and scale of a node.
