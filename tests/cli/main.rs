@@ -23,6 +23,7 @@ mod gltf;
 mod gmesh;
 mod hierarchy;
 mod large_coordinates;
+mod manual;
 mod measure;
 mod remesh;
 mod wavelet;

@@ -6,7 +6,8 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `info.rs`, `simplify/`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs`, `remesh.rs` | a command each |
+//! | `info.rs`, `simplify/`, `build.rs`, `extract.rs`, `adapt.rs`, `fly.rs`, `measure.rs`, `remesh.rs`, `view.rs` | a command each |
+//! | `manual.rs` | completions of shells, the manual |
 //! | `paint.rs` | a mesh coloured by its distance from another, as a mesh and as a picture |
 //! | `lettering.rs` | captions in pictures |
 //! | `batches.rs` | arguments about batches, and the list of what each left |
@@ -33,6 +34,7 @@ mod files;
 mod fly;
 mod info;
 mod lettering;
+mod manual;
 mod measure;
 mod model;
 mod output;
@@ -43,6 +45,7 @@ mod progress;
 mod remesh;
 mod rules;
 mod simplify;
+mod view;
 mod workers;
 
 use std::process::ExitCode;
@@ -76,6 +79,9 @@ enum Command {
     Fly(fly::Fly),
     Measure(measure::Measure),
     Remesh(remesh::Remesh),
+    View(view::View),
+    Completions(manual::Completions),
+    Man(manual::Man),
 }
 
 fn main() -> ExitCode {
@@ -92,6 +98,9 @@ fn main() -> ExitCode {
         Command::Fly(command) => command,
         Command::Measure(command) => command,
         Command::Remesh(command) => command,
+        Command::View(command) => command,
+        Command::Completions(command) => command,
+        Command::Man(command) => command,
     };
     match command.run() {
         Ok(answer) => output::answer(&answer, cli.json),
