@@ -1,7 +1,8 @@
 //! Wavefront OBJ: text, with separate indices for positions, texture coordinates and normals.
 //!
-//! Read: `v` (with optional `r g b [a]`), `vt`, `vn`, `f` with corners of any form, `usemtl` as material ids. Other
-//! statements are skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
+//! Read: `v` (with optional `r g b [a]`), `vt`, `vn`, `f` with corners of any form, `usemtl` as material ids. In a file
+//! with colours, positions without a colour are white. Points and lines are left out with a note. Other statements are
+//! skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
 //! by first use. So a file with a single triple per position keeps its numbering. Positions used by no face are kept.
 //! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error.
 //!
@@ -13,22 +14,26 @@
 
 use std::collections::BTreeMap;
 
+use super::corners::number_vertices;
 use super::draft::{Draft, Tally};
 use super::error::ReadError;
 use super::polygon::Triangulator;
 use super::text::{self, Lines, integer, number, push_float, push_position, quoted, words};
 use crate::error::MeshError;
-use crate::geometry::lists::Lists;
 use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 
 /// A corner: indices of v, vt and vn.
 type Corner = [u32; 3];
 
+/// Colour of positions without a colour, in a file that has colours.
+const WHITE: [f32; 4] = [1.0; 4];
+
 /// Content of the statements, before corners become vertices.
 #[derive(Default)]
 struct Statements {
     positions: Vec<[f64; 3]>,
-    /// Four values a position, for positions up to the last coloured position; empty without colours.
+    /// Four values a position, for positions up to the last coloured position; empty without colours. Positions without
+    /// a colour are white.
     colors: Vec<[f32; 4]>,
     color_width: usize,
     uvs: Vec<[f32; 2]>,
@@ -43,6 +48,7 @@ struct Statements {
     /// Largest index of each kind and its line: a face may precede the elements it names.
     largest: [(u32, usize); 3],
     small_faces: Tally,
+    points_and_lines: Tally,
     bad_attributes: Tally,
 }
 
@@ -107,7 +113,8 @@ fn parse(bytes: &[u8]) -> Result<Statements, ReadError> {
             }
             b"f" | b"fo" => s.face(rest, number, material)?,
             b"usemtl" => material = s.material(name_after(line, keyword)),
-            b"vp" | b"mtllib" | b"o" | b"g" | b"s" | b"p" | b"l" => {}
+            b"p" | b"l" => s.points_and_lines.add(number),
+            b"vp" | b"mtllib" | b"o" | b"g" | b"s" => {}
             _ => unknown = unknown.or_else(|| Some((number, quoted(keyword)))),
         }
     }
@@ -167,7 +174,7 @@ impl Statements {
                 extra[3] = 1.0;
             }
             self.color_width = self.color_width.max(count);
-            self.colors.resize(self.positions.len(), [0.0; 4]);
+            self.colors.resize(self.positions.len(), WHITE);
             self.colors.push(extra);
         }
         self.positions.push(position);
@@ -271,6 +278,7 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
         triangulator.split(&points, |t| corners.extend(t.map(|i| polygon[i as usize])));
     }
     s.small_faces.note("faces with fewer than 3 corners left out", "line", &mut draft.notes);
+    s.points_and_lines.note("statements of points and lines left out", "line", &mut draft.notes);
     s.bad_attributes.note("texture or normal indices name nothing and count as 0", "line", &mut draft.notes);
     triangulator.note(&mut draft.notes);
     draft.material_names = s.material_names;
@@ -288,49 +296,6 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     draft.attributes.extend(stream(names::NORMAL, &s.normals, &corners, &vertices, 2, s.positions.len()));
     draft.attributes.extend(color(&s.colors, s.color_width, vertices.iter().map(|c| c[0])));
     draft
-}
-
-/// Returns the distinct triples in order of position and then of first use, and the index of each corner's triple.
-/// Positions without corners get a single vertex.
-fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u32>) {
-    let by_position = Lists::from_pairs(positions, (0..).zip(corners).map(|(c, corner)| (corner[0], c)));
-
-    let mut vertices: Vec<Corner> = Vec::with_capacity(positions);
-    let mut numbers = vec![NONE; corners.len()];
-    let mut sorted: Vec<u32> = Vec::new();
-    for v in 0..positions {
-        let base = vertices.len();
-        let here = by_position.get(v as u32);
-        if here.is_empty() {
-            vertices.push([v as u32, NONE, NONE]);
-        } else if here.len() <= 32 {
-            for &c in here {
-                let corner = corners[c as usize];
-                let known = vertices[base..].iter().position(|&x| x == corner);
-                numbers[c as usize] = (base + known.unwrap_or(vertices.len() - base)) as u32;
-                if known.is_none() {
-                    vertices.push(corner);
-                }
-            }
-        } else {
-            // Sorting places equal triples side by side, first used in front; the other corners take its number.
-            sorted.clear();
-            sorted.extend_from_slice(here);
-            sorted.sort_unstable_by_key(|&c| (corners[c as usize], c));
-            let same = |a: &u32, b: &u32| corners[*a as usize] == corners[*b as usize];
-            let mut leaders: Vec<u32> = sorted.chunk_by(same).map(|group| group[0]).collect();
-            leaders.sort_unstable();
-            for (i, &c) in leaders.iter().enumerate() {
-                numbers[c as usize] = (base + i) as u32;
-                vertices.push(corners[c as usize]);
-            }
-            for group in sorted.chunk_by(same) {
-                let leader = numbers[group[0] as usize];
-                group.iter().for_each(|&c| numbers[c as usize] = leader);
-            }
-        }
-    }
-    (vertices, numbers)
 }
 
 /// Returns the attribute named by slot `slot` of the vertices' triples; `None` if no corner has an index there.
@@ -359,7 +324,7 @@ fn color(colors: &[[f32; 4]], width: usize, of: impl Iterator<Item = u32>) -> Op
     if colors.is_empty() {
         return None;
     }
-    let value = |v: u32| colors.get(v as usize).copied().unwrap_or([0.0; 4]).into_iter().take(width);
+    let value = |v: u32| colors.get(v as usize).copied().unwrap_or(WHITE).into_iter().take(width);
     Some(Attribute::new(names::COLOR, width, AttributeValues::Float(of.flat_map(value).collect())))
 }
 

@@ -3,6 +3,7 @@
 //! All tokens borrow from the file; lexing does not allocate.
 
 /// Lines of a file with their numbers from 1; LF, CRLF and CR each end a line.
+#[derive(Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     line: usize,
@@ -12,6 +13,11 @@ impl<'a> Lines<'a> {
     /// Starts at the first line, skipping a byte-order mark.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: without_mark(bytes), line: 0 }
+    }
+
+    /// Starts in line `line`, of which `bytes` holds the end.
+    pub fn from_line(bytes: &'a [u8], line: usize) -> Self {
+        Self { rest: bytes, line: line - 1 }
     }
 
     /// Returns the number of bytes after the last line returned.
@@ -76,6 +82,32 @@ impl<'a> Words<'a> {
         self.line
     }
 
+    /// Tests if the rest of the line is blank, and skips it up to the line end.
+    pub fn at_line_end(&mut self) -> bool {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            if byte == b'\n' || byte == b'\r' {
+                return true;
+            }
+            if !is_blank(byte) {
+                return false;
+            }
+            self.at += 1;
+        }
+        true
+    }
+
+    /// Returns the rest of the line.
+    pub fn line_left(&self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        &rest[..end]
+    }
+
+    /// Returns the bytes not yet read.
+    pub fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
+    }
+
     /// Skips the rest of the line.
     pub fn skip_line(&mut self) {
         while self.bytes.get(self.at).is_some_and(|&b| b != b'\n' && b != b'\r') {
@@ -109,9 +141,28 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// Parses a decimal number. `nan` and `inf` are accepted here; the caller rejects them where needed.
+/// Parses a decimal number. `nan` and `inf` are accepted here, also as spelled by the C library of Microsoft; the caller
+/// rejects them where needed.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    std::str::from_utf8(word).ok()?.parse().ok().or_else(|| special(word))
+}
+
+/// Parses `1.#IND`, `1.#QNAN`, `1.#SNAN`, `1.#INF` (digits may follow) and `nan(ind)`, with or without a sign.
+fn special(word: &[u8]) -> Option<f64> {
+    let (sign, word) = match word {
+        [b'-', rest @ ..] => (-1.0, rest),
+        [b'+', rest @ ..] => (1.0, rest),
+        _ => (1.0, word),
+    };
+    let is_nan = |name: &&[u8]| word.starts_with(name);
+    if [&b"1.#IND"[..], b"1.#QNAN", b"1.#SNAN"].iter().any(is_nan) {
+        return Some(f64::NAN);
+    }
+    if word.starts_with(b"1.#INF") {
+        return Some(sign * f64::INFINITY);
+    }
+    let (name, rest) = word.split_at_checked(4)?;
+    (name.eq_ignore_ascii_case(b"nan(") && rest.ends_with(b")")).then_some(f64::NAN)
 }
 
 /// Parses an integer of 64 bits.
