@@ -4,7 +4,8 @@
 //! with colours, positions without a colour are white. Points and lines are left out with a note. Other statements are
 //! skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
 //! by first use. So a file with a single triple per position keeps its numbering. Positions used by no face are kept.
-//! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error.
+//! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error. In a file
+//! with `vt`, corners without an index get 0; in a file with `vn`, the normal of their triangles.
 //!
 //! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`. Other attributes and locks are not written.
 //! Material ids without a name are called `material_ID`, and are renumbered by appearance on reading.
@@ -14,12 +15,15 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
 use super::corners::number_vertices;
 use super::draft::{Draft, Tally};
 use super::error::ReadError;
 use super::polygon::Triangulator;
 use super::text::{self, Lines, integer, number, push_float, push_position, quoted, words};
 use crate::error::MeshError;
+use crate::geometry::triangle;
 use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 
 /// A corner: indices of v, vt and vn.
@@ -279,7 +283,11 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     }
     s.small_faces.note("faces with fewer than 3 corners left out", "line", &mut draft.notes);
     s.points_and_lines.note("statements of points and lines left out", "line", &mut draft.notes);
-    s.bad_attributes.note("texture or normal indices name nothing and count as 0", "line", &mut draft.notes);
+    s.bad_attributes.note(
+        "texture or normal indices name nothing and count as not given",
+        "line",
+        &mut draft.notes,
+    );
     triangulator.note(&mut draft.notes);
     draft.material_names = s.material_names;
     if corners.iter().all(|c| c[1] == NONE && c[2] == NONE) {
@@ -292,31 +300,52 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     let (vertices, numbers) = number_vertices(&corners, s.positions.len());
     draft.triangles = numbers.chunks_exact(3).map(|n| [n[0], n[1], n[2]]).collect();
     draft.positions = vertices.iter().map(|c| s.positions[c[0] as usize]).collect();
-    draft.attributes.extend(stream(names::UV, &s.uvs, &corners, &vertices, 1, s.positions.len()));
-    draft.attributes.extend(stream(names::NORMAL, &s.normals, &corners, &vertices, 2, s.positions.len()));
+    draft.attributes.extend(stream(names::UV, &s.uvs, &corners, &vertices, 1, |_| [0.0; 2]));
+    let computed = computed_normals(&corners, &vertices, &mut draft);
+    let normal = |vertex: usize| computed.get(vertex).copied().unwrap_or_default();
+    draft.attributes.extend(stream(names::NORMAL, &s.normals, &corners, &vertices, 2, normal));
     draft.attributes.extend(color(&s.colors, s.color_width, vertices.iter().map(|c| c[0])));
     draft
 }
 
+/// Returns normals for vertices without one, the means of their triangles by area; empty if all corners have normals or
+/// none has. Adds a note.
+fn computed_normals(corners: &[Corner], vertices: &[Corner], draft: &mut Draft) -> Vec<[f32; 3]> {
+    let lacks = |corner: &Corner| corner[2] == NONE;
+    if corners.iter().all(lacks) || !corners.iter().any(lacks) {
+        return Vec::new();
+    }
+    let mut normals = vec![DVec3::ZERO; vertices.len()];
+    for triangle in &draft.triangles {
+        let places = triangle.map(|v| DVec3::from_array(draft.positions[v as usize]));
+        triangle.iter().for_each(|&v| normals[v as usize] += triangle::normal(&places));
+    }
+    let count = vertices.iter().filter(|vertex| lacks(vertex)).count();
+    draft.notes.push(format!("{count} vertices have no normal and get one of their triangles"));
+    normals.iter().map(|normal| normal.normalize_or_zero().as_vec3().to_array()).collect()
+}
+
 /// Returns the attribute named by slot `slot` of the vertices' triples; `None` if no corner has an index there.
+/// `missing` gives the value of a vertex without an index.
 fn stream<const N: usize>(
     name: &str,
     values: &[[f32; N]],
     corners: &[Corner],
     vertices: &[Corner],
     slot: usize,
-    positions: usize,
+    missing: impl Fn(usize) -> [f32; N],
 ) -> Option<Attribute> {
     if corners.iter().all(|c| c[slot] == NONE) {
         return None;
     }
     // If values are numbered like positions, unused positions keep their values too.
+    let positions = vertices.last().map_or(0, |last| last[0] as usize + 1);
     let alike = values.len() == positions && corners.iter().all(|c| c[slot] == c[0]);
-    let value = |c: &Corner| {
+    let value = |(vertex, c): (usize, &Corner)| {
         let index = if alike { c[0] } else { c[slot] };
-        values.get(index as usize).copied().unwrap_or([0.0; N])
+        values.get(index as usize).copied().unwrap_or_else(|| missing(vertex))
     };
-    let values: Vec<[f32; N]> = vertices.iter().map(value).collect();
+    let values: Vec<[f32; N]> = vertices.iter().enumerate().map(value).collect();
     Some(Attribute::floats(name, &values))
 }
 

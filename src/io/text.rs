@@ -148,6 +148,7 @@ pub(super) fn number(word: &[u8]) -> Option<f64> {
 }
 
 /// Parses `1.#IND`, `1.#QNAN`, `1.#SNAN`, `1.#INF` (digits may follow) and `nan(ind)`, with or without a sign.
+#[cold]
 fn special(word: &[u8]) -> Option<f64> {
     let (sign, word) = match word {
         [b'-', rest @ ..] => (-1.0, rest),

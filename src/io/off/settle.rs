@@ -57,7 +57,7 @@ fn values(row: &[u8]) -> ([f64; MOST], usize) {
 
 /// Tests if colours come before normals. The first row with one possible order decides; without such a row, the length
 /// of normals; else the order of letters in the first word.
-fn has_color_first(layout: Layout, rows: impl Iterator<Item = ([f64; MOST], usize)>) -> bool {
+pub(super) fn has_color_first(layout: Layout, rows: impl Iterator<Item = ([f64; MOST], usize)>) -> bool {
     let at = layout.coordinates();
     let mut unit_lengths = 0_i64;
     for (values, count) in rows {

@@ -5,7 +5,7 @@
 
 use super::colors::{FaceColors, Range};
 use super::layout::{Layout, MOST, Streams};
-use super::settle::settled;
+use super::settle::{has_color_first, settled};
 use crate::io::draft::Draft;
 use crate::io::error::ReadError;
 use crate::io::polygon::Polygons;
@@ -13,17 +13,20 @@ use crate::io::text::{Lines, Words, integer, number, quoted, words};
 
 /// Returns a line up to any `#`, except for the `#` in numbers like `1.#IND`.
 pub(super) fn without_hash(line: &[u8]) -> &[u8] {
-    let mut from = 0;
-    while let Some(found) = line[from..].iter().position(|&b| b == b'#') {
-        let at = from + found;
-        let in_number =
-            at > 0 && line[at - 1] == b'.' && matches!(line.get(at + 1), Some(b'I' | b'Q' | b'S'));
-        if !in_number {
-            return &line[..at];
-        }
-        from = at + 1;
+    match line.iter().position(|&b| b == b'#') {
+        Some(first) => before_comment(line, first),
+        None => line,
     }
-    line
+}
+
+/// Returns a line up to its comment; `first` is the place of the first `#`.
+#[cold]
+fn before_comment(line: &[u8], first: usize) -> &[u8] {
+    let is_comment = |&at: &usize| {
+        let after_point = at > 0 && line[at - 1] == b'.';
+        line[at] == b'#' && !(after_point && matches!(line.get(at + 1), Some(b'I' | b'Q' | b'S')))
+    };
+    (first..line.len()).find(is_comment).map_or(line, |end| &line[..end])
 }
 
 /// Returns the next word that is no comment.
@@ -52,9 +55,10 @@ pub(super) fn read(
     counts: [usize; 2],
     layout: Layout,
 ) -> Result<Draft, ReadError> {
-    let ends_in = |end: u8| bytes.iter().filter(|&&b| b == end).count();
-    let ends = match ends_in(b'\n') {
-        0 => ends_in(b'\r'),
+    // Line ends before the last row: the number of rows after the header's.
+    let upto_last = bytes.trim_ascii_end();
+    let ends = match count(upto_last, b'\n') {
+        0 => count(upto_last, b'\r'),
         ends => ends,
     };
     let needed = counts[0].saturating_add(counts[1]);
@@ -69,6 +73,12 @@ pub(super) fn read(
     // A file that lacks its last rows is told by row.
     let is_cut = found.is_err() && ends >= needed / 2;
     if is_cut { read_rows(bytes, line, counts, layout) } else { found }
+}
+
+/// Returns how often a byte occurs. Sums of a byte each, in chunks, are fast.
+fn count(bytes: &[u8], byte: u8) -> usize {
+    let in_chunk = |chunk: &[u8]| usize::from(chunk.iter().map(|&b| u8::from(b == byte)).sum::<u8>());
+    bytes.chunks(255).map(in_chunk).sum()
 }
 
 fn read_rows(bytes: &[u8], line: usize, counts: [usize; 2], layout: Layout) -> Result<Draft, ReadError> {
@@ -111,6 +121,7 @@ fn read_vertices<'a>(
     let mut range = Range::default();
     let without_color = layout.width(0);
     let color_at = layout.color_at();
+    let is_plain = layout == Layout::default();
     let least = if layout.implied { 0 } else { layout.width(3) - without_color };
     streams.positions.reserve_exact(vertices);
     for vertex in 0..vertices {
@@ -124,10 +135,14 @@ fn read_vertices<'a>(
             *value = number(word).ok_or_else(fail)?;
             count += 1;
         }
-        let color = if layout.color { count.saturating_sub(without_color).min(4) } else { 0 };
         if count < without_color + least {
             return Err(ReadError::line(line, format!("vertex {vertex} has {count} numbers, too few")));
         }
+        if is_plain {
+            streams.positions.push([values[0], values[1], values[2]]);
+            continue;
+        }
+        let color = if layout.color { (count - without_color).min(4) } else { 0 };
         if layout.color {
             for (word, &value) in words(content).zip(&values).skip(color_at).take(color) {
                 range.add(word, value);
@@ -148,6 +163,7 @@ fn at_infinity(vertex: usize) -> String {
 }
 
 /// Reads the number of corners and the corners of a face. On failure, returns words for the error.
+#[inline]
 fn read_corners<'a>(
     words: &mut impl Iterator<Item = &'a [u8]>,
     face: usize,
@@ -171,14 +187,26 @@ fn read_corners<'a>(
 fn read_words(
     mut words: Words,
     [vertices, faces]: [usize; 2],
-    layout: Layout,
+    mut layout: Layout,
     color: usize,
 ) -> Result<Draft, ReadError> {
+    let width = layout.width(color);
+    if layout.color && layout.normal {
+        let mut ahead = words.clone();
+        let mut vertex = || {
+            let mut values = [0.0; MOST];
+            for value in &mut values[..width] {
+                *value = number(next(&mut ahead)?).unwrap_or(f64::NAN);
+            }
+            Some((values, width))
+        };
+        layout.color_first = has_color_first(layout, (0..vertices).map_while(|_| vertex()));
+    }
     let file_size = words.rest().len();
     let mut streams = Streams::new(layout);
     streams.color_width = color * usize::from(layout.color);
     let mut range = Range::default();
-    let (width, color_at) = (layout.width(color), layout.color_at());
+    let color_at = layout.color_at();
     streams.positions.reserve_exact(vertices);
     for vertex in 0..vertices {
         let mut values = [0.0; MOST];

@@ -60,13 +60,14 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Adds a note about rows with more values than properties.
+    /// Adds notes about rows with more values than properties, and about text after the last entry.
     pub fn note(&self, notes: &mut Vec<String>) {
-        self.long_rows.note(
-            "rows have more values than properties; these values are left out",
-            "line",
-            notes,
-        );
+        let what = "rows have more values than properties; these values are left out";
+        self.long_rows.note(what, "line", notes);
+        let mut rest = self.words.clone();
+        if self.encoding == Encoding::Text && rest.next().is_some() {
+            notes.push(format!("text after the last entry left out, from line {} on", rest.line()));
+        }
     }
 
     pub fn left(&self) -> usize {
