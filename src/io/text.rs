@@ -83,6 +83,7 @@ impl<'a> Words<'a> {
     }
 
     /// Tests if the rest of the line is blank, and skips it up to the line end.
+    #[inline]
     pub fn at_line_end(&mut self) -> bool {
         while let Some(&byte) = self.bytes.get(self.at) {
             if byte == b'\n' || byte == b'\r' {

@@ -98,7 +98,7 @@ fn every_hostile_file_has_its_outcome() {
 }
 
 /// Open edges after welding by position: none on a closed surface.
-fn open_edges(mesh: &Mesh) -> usize {
+pub fn open_edges(mesh: &Mesh) -> usize {
     let topology = Topology::new(mesh);
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for triangle in mesh.triangles() {
@@ -217,6 +217,7 @@ fn damaged_files_are_refused_with_their_place() {
         (Format::Off, b"OFF BINARY\n\xff\xff\xff\xff\0\0\0\0\0\0\0\0", "byte 11: -1 is no count of vertices"),
         (Format::Stl, b"solid\nfacet\nvertex -1.#IND 2 3\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n", "vertex 0 has a non-finite"),
         (Format::Stl, b"solid\nfacet\nvertex 1,2,3,4 2 3\n", "line 3: \"1,2,3,4\" is not a number"),
+        (Format::Stl, b"solid a facet vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endfacet endsolid", "line 1: facets stand in"),
         (Format::Stl, b"solid\nfacet\nvertex 1 2 3\nend facet\n", "line 4: a facet has 1 vertices"),
         (
             Format::Ply,

@@ -172,7 +172,8 @@ impl Faces {
         });
     }
 
-    /// Reads the corners of a face. In a strip, -1 starts a new strip and is kept as `NONE`.
+    /// Reads the corners of a face. In a strip, -1 starts a new strip and is kept as `NONE`. Errors in a binary file
+    /// name the end of the list.
     fn read_corners(
         &mut self,
         face: usize,
@@ -183,17 +184,26 @@ impl Faces {
         strips: bool,
     ) -> Result<(), ReadError> {
         let vertices = draft.positions.len();
-        for _ in 0..source.list(count, kind)? {
-            let given = source.value(kind)?;
-            let corner = if strips && given == -1.0 {
-                NONE
-            } else if given >= 0.0 && given < vertices as f64 && given.fract() == 0.0 {
-                given as u32
-            } else {
-                return Err(source
-                    .fail(format!("face {face} names vertex {given}, but there are {vertices} vertices")));
-            };
-            self.polygons.corners.push(corner);
+        let corner = |given: f64| {
+            if strips && given == -1.0 {
+                return Ok(NONE);
+            }
+            let exists = given >= 0.0 && given < vertices as f64 && given.fract() == 0.0;
+            let what = || format!("face {face} names vertex {given}, but there are {vertices} vertices");
+            if exists { Ok(given as u32) } else { Err(what()) }
+        };
+        let length = source.list(count, kind)?;
+        if source.encoding == Encoding::Text {
+            for _ in 0..length {
+                let found = corner(source.value(kind)?);
+                self.polygons.corners.push(found.map_err(|what| source.fail(what))?);
+            }
+            return Ok(());
+        }
+        let (encoding, size) = (source.encoding, kind.size());
+        for value in source.take(length * size)?.chunks_exact(size) {
+            let found = corner(kind.value(value, encoding));
+            self.polygons.corners.push(found.map_err(|what| source.fail(what))?);
         }
         Ok(())
     }

@@ -53,8 +53,16 @@ impl<'a> Source<'a> {
     }
 
     /// Ends an entry. In a text with a row for each entry, skips the values that the entry leaves in its row.
+    #[inline]
     pub fn end_entry(&mut self) {
-        if self.encoding == Encoding::Text && !self.words.at_line_end() && self.rows.are_entries() {
+        if self.encoding == Encoding::Text && !self.words.at_line_end() {
+            self.end_before_row();
+        }
+    }
+
+    #[cold]
+    fn end_before_row(&mut self) {
+        if self.rows.are_entries() {
             self.long_rows.add(self.words.line());
             self.words.skip_line();
         }

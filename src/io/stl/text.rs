@@ -15,10 +15,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     let mut open = false;
     while let Some(word) = words.next() {
         let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
-        if is("solid") || is("endsolid") || (is("end") && !open) {
-            words.skip_line();
-        } else if is("vertex") {
+        if is("vertex") {
             facet.push(vertex(&mut words, &mut commas)?);
+        } else if is("solid") || is("endsolid") || (is("end") && !open) {
+            words.skip_line();
         } else if is("facet") {
             open = true;
         } else if is("endfacet") || (is("end") && skip_word(&mut words, "facet")) {
@@ -38,6 +38,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
             "the facet at the end, line {}, is not finished",
             words.line()
         )));
+    }
+    let is_name = || Words::new(bytes, 1).any(|word| word.eq_ignore_ascii_case(b"endfacet"));
+    if draft.triangles.is_empty() && is_name() {
+        return Err(ReadError::line(1, "facets stand in the line of a solid's name"));
     }
     commas.note("vertices have decimal commas, or commas between numbers", "line", &mut draft.notes);
     triangulator.note(&mut draft.notes);
