@@ -54,7 +54,7 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// Tests for white space as in C, including vertical tab.
 pub(super) fn is_blank(byte: u8) -> bool {
-    byte.is_ascii_whitespace() || byte == 0x0b
+    byte == b' ' || (b'\t'..=b'\r').contains(&byte)
 }
 
 /// Returns a line up to its comment: `#` at the start or after a blank. Names may contain `#`.
@@ -145,7 +145,26 @@ impl<'a> Iterator for Words<'a> {
 /// Parses a decimal number. `nan` and `inf` are accepted here, also as spelled by the C library of Microsoft; the caller
 /// rejects them where needed.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok().or_else(|| special(word))
+    let float = || std::str::from_utf8(word).ok()?.parse().ok();
+    digits(word).map(|value| value as f64).or_else(float).or_else(|| special(word))
+}
+
+/// Parses 1 to 15 digits: exact as a float too, and faster than the parser of floats. Lists of indices are made of such
+/// words.
+#[inline]
+fn digits(word: &[u8]) -> Option<u64> {
+    if word.is_empty() || word.len() > 15 {
+        return None;
+    }
+    let mut value = 0;
+    for &byte in word {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = 10 * value + u64::from(digit);
+    }
+    Some(value)
 }
 
 /// Parses `1.#IND`, `1.#QNAN`, `1.#SNAN`, `1.#INF` (digits may follow) and `nan(ind)`, with or without a sign.
@@ -169,7 +188,7 @@ fn special(word: &[u8]) -> Option<f64> {
 
 /// Parses an integer of 64 bits.
 pub(super) fn integer(word: &[u8]) -> Option<i64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    digits(word).map(|value| value as i64).or_else(|| std::str::from_utf8(word).ok()?.parse().ok())
 }
 
 /// Formats a word for a single-line message: short and printable.

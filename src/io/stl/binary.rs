@@ -36,7 +36,8 @@ fn declared(bytes: &[u8]) -> Option<u32> {
 /// a count of its own, unless whole triangles fill the file.
 fn derived(bytes: &[u8], declared: u32) -> Option<usize> {
     let body = bytes.len() - START;
-    let is_unknown = UNKNOWN.contains(&declared) && body >= FACET && (declared > 0 || body % FACET == 0);
+    let is_unknown =
+        UNKNOWN.contains(&declared) && body >= FACET && (declared > 0 || body.is_multiple_of(FACET));
     is_unknown.then_some(body / FACET)
 }
 
