@@ -308,8 +308,8 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     draft
 }
 
-/// Returns normals for vertices without one, the means of their triangles by area; empty if all corners have normals or
-/// none has. Adds a note.
+/// Returns normals for vertices without one: the mean of their triangles by area, or the z axis where there is no area.
+/// Empty if all corners have normals or none has. Adds a note.
 fn computed_normals(corners: &[Corner], vertices: &[Corner], draft: &mut Draft) -> Vec<[f32; 3]> {
     let lacks = |corner: &Corner| corner[2] == NONE;
     if corners.iter().all(lacks) || !corners.iter().any(lacks) {
@@ -322,7 +322,7 @@ fn computed_normals(corners: &[Corner], vertices: &[Corner], draft: &mut Draft) 
     }
     let count = vertices.iter().filter(|vertex| lacks(vertex)).count();
     draft.notes.push(format!("{count} vertices have no normal and get one of their triangles"));
-    normals.iter().map(|normal| normal.normalize_or_zero().as_vec3().to_array()).collect()
+    normals.iter().map(|normal| normal.normalize_or(DVec3::Z).as_vec3().to_array()).collect()
 }
 
 /// Returns the attribute named by slot `slot` of the vertices' triples; `None` if no corner has an index there.

@@ -37,7 +37,7 @@ const CASES: &[Case<'static>] = &[
     ),
     ("meshlab_exports/all.stl", 42, 80, "", ""),
     ("obj_concave_ngon/comb.obj", 303, 301, "", ""),
-    ("obj_faces_points_lines/lp.obj", 5, 2, "normal 0 0 0", "4 vertices have no normal"),
+    ("obj_faces_points_lines/lp.obj", 5, 2, "normal 0 0 1", "4 vertices have no normal"),
     ("obj_negative_interleaved/blocks.obj", 126, 240, "", ""),
     ("obj_partial_color/partial.obj", 42, 80, "color 1 0.5 0.25", ""),
     ("off_glued/glued.off", 6, 8, "", ""),

@@ -500,13 +500,14 @@ fn obj_normals_that_are_missing_are_computed() {
     let normals: Vec<f32> =
         corners(&found.mesh, "normal").into_iter().flat_map(|(_, normal)| normal).collect();
     assert_eq!(normals[..9], [0.0, 1e-40, 1.0].repeat(3));
-    // Two triangles that turn their backs on each other have no common normal.
-    assert_eq!(normals[9..], [0.0; 18]);
-    let found = read(Format::Obj, text.replace("f 1//9 4 3\n", ""));
+    // Two triangles that turn their backs on each other have no common normal: the z axis.
+    assert_eq!(normals[9..], [0.0, 0.0, 1.0].repeat(6));
+    let found = read(Format::Obj, text.replace("f 1 3 4\n", ""));
     let normals: Vec<f32> =
         corners(&found.mesh, "normal").into_iter().flat_map(|(_, normal)| normal).collect();
-    assert_eq!(normals[9..], [0.0, 0.0, 1.0].repeat(3));
-    assert_eq!(found.notes, ["4 vertices have no normal and get one of their triangles"]);
+    assert_eq!(normals[9..], [0.0, 0.0, -1.0].repeat(3));
+    assert!(found.notes[0].starts_with("1 texture or normal indices name nothing"), "{:?}", found.notes);
+    assert_eq!(found.notes[1], "4 vertices have no normal and get one of their triangles");
 }
 
 /// ```text
