@@ -125,7 +125,7 @@ fn note_non_finite(attribute: &Attribute, notes: &mut Vec<String>) {
 }
 
 /// Counts occurrences, and remembers the place of the first.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Tally {
     count: usize,
     first: usize,

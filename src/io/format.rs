@@ -13,8 +13,10 @@ use std::path::Path;
 /// | OFF | exact | exact | `color`, `uv`, `normal` | none |
 /// | glTF | exact | exact, grouped by material | all up to width 4 | ids and names |
 ///
-/// The table lists the data written, and restored on reading. Files leave out the attribute `vertex`. Only the baked
-/// container keeps locks.
+/// The table lists the data written, and restored on reading. Readers also keep what other programs write: UV by corner
+/// (OBJ, PLY) and colours of faces (PLY, OFF, if vertices have none). A vertex becomes several vertices where its
+/// corners differ. [`Imported::notes`](super::Imported::notes) names what is left out. Files leave out the attribute
+/// `vertex`. Only the baked container keeps locks.
 ///
 /// Positions are written in world coordinates: the mesh's [`origin`](crate::mesh::Mesh::origin) is added in double
 /// precision. If the origin is not zero, text has the digits needed, PLY has doubles, STL is text, and glTF moves its
@@ -24,11 +26,11 @@ use std::path::Path;
 pub enum Format {
     /// Wavefront OBJ, `.obj`.
     Obj,
-    /// Stanford polygon format, `.ply`; read as text and binary, written as little-endian binary.
+    /// Stanford polygon format, `.ply`; read as text and binary of either byte order, written as little-endian binary.
     Ply,
     /// Stereolithography, `.stl`; read as text and binary, written as binary, or as text if the origin is not zero.
     Stl,
-    /// Object file format, `.off`; read as text and binary, written as text.
+    /// Object file format, `.off`; read as text and binary of either byte order, written as text.
     Off,
     /// glTF 2.0 in a single file, `.glb`.
     Glb,

@@ -9,10 +9,11 @@
 //! |---|---|
 //! | `read_write.rs` | [`read`] and [`write`](write()) by extension; [`write_textured`] |
 //! | `format.rs`, `import.rs` | [`Format`]; [`ReadOptions`] and [`Imported`] |
-//! | `obj.rs`, `ply/`, `stl.rs`, `off.rs`, `gltf/` | a format each; its head tells what is kept and how it is parsed |
+//! | `obj.rs`, `ply/`, `stl/`, `off/`, `gltf/` | a format each; its head tells what is kept and how it is parsed |
 //! | `draft.rs` | output of readers: a mesh before rounding |
 //! | `text.rs` | lines, words and numbers |
 //! | `polygon.rs` | polygons to triangles |
+//! | `corners.rs` | values by corner and by face: vertices split where they differ |
 //! | `atomic.rs` | [`atomic`]: atomic writes of files |
 //! | `baked.rs` | [`bake`] and [`unbake`]: any value in the baked container; [`Aligned`] bytes for files within a program |
 //! | `baked_3.rs` | files of format version 3 |
@@ -25,6 +26,7 @@
 pub mod atomic;
 mod baked;
 mod baked_3;
+mod corners;
 mod draft;
 mod error;
 mod format;

@@ -1,9 +1,11 @@
 //! Wavefront OBJ: text, with separate indices for positions, texture coordinates and normals.
 //!
-//! Read: `v` (with optional `r g b [a]`), `vt`, `vn`, `f` with corners of any form, `usemtl` as material ids. Other
-//! statements are skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
+//! Read: `v` (with optional `r g b [a]`), `vt`, `vn`, `f` with corners of any form, `usemtl` as material ids. In a file
+//! with colours, positions without a colour are white. Points and lines are left out with a note. Other statements are
+//! skipped; no .mtl file is opened. Distinct triples (v, vt, vn) become vertices, ordered by v and then
 //! by first use. So a file with a single triple per position keeps its numbering. Positions used by no face are kept.
-//! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error.
+//! An out-of-range `vt` or `vn` index counts as not given and is noted; an out-of-range `v` index is an error. In a file
+//! with `vt`, corners without an index get 0; in a file with `vn`, the normal of their triangles.
 //!
 //! Written: `v` with `color`, `vt` from `uv`, `vn` from `normal`, `usemtl`. Other attributes and locks are not written.
 //! Material ids without a name are called `material_ID`, and are renumbered by appearance on reading.
@@ -13,22 +15,29 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
+use super::corners::number_vertices;
 use super::draft::{Draft, Tally};
 use super::error::ReadError;
 use super::polygon::Triangulator;
 use super::text::{self, Lines, integer, number, push_float, push_position, quoted, words};
 use crate::error::MeshError;
-use crate::geometry::lists::Lists;
+use crate::geometry::triangle;
 use crate::mesh::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, NONE, names};
 
 /// A corner: indices of v, vt and vn.
 type Corner = [u32; 3];
 
+/// Colour of positions without a colour, in a file that has colours.
+const WHITE: [f32; 4] = [1.0; 4];
+
 /// Content of the statements, before corners become vertices.
 #[derive(Default)]
 struct Statements {
     positions: Vec<[f64; 3]>,
-    /// Four values a position, for positions up to the last coloured position; empty without colours.
+    /// Four values a position, for positions up to the last coloured position; empty without colours. Positions without
+    /// a colour are white.
     colors: Vec<[f32; 4]>,
     color_width: usize,
     uvs: Vec<[f32; 2]>,
@@ -43,6 +52,7 @@ struct Statements {
     /// Largest index of each kind and its line: a face may precede the elements it names.
     largest: [(u32, usize); 3],
     small_faces: Tally,
+    points_and_lines: Tally,
     bad_attributes: Tally,
 }
 
@@ -107,7 +117,8 @@ fn parse(bytes: &[u8]) -> Result<Statements, ReadError> {
             }
             b"f" | b"fo" => s.face(rest, number, material)?,
             b"usemtl" => material = s.material(name_after(line, keyword)),
-            b"vp" | b"mtllib" | b"o" | b"g" | b"s" | b"p" | b"l" => {}
+            b"p" | b"l" => s.points_and_lines.add(number),
+            b"vp" | b"mtllib" | b"o" | b"g" | b"s" => {}
             _ => unknown = unknown.or_else(|| Some((number, quoted(keyword)))),
         }
     }
@@ -167,7 +178,7 @@ impl Statements {
                 extra[3] = 1.0;
             }
             self.color_width = self.color_width.max(count);
-            self.colors.resize(self.positions.len(), [0.0; 4]);
+            self.colors.resize(self.positions.len(), WHITE);
             self.colors.push(extra);
         }
         self.positions.push(position);
@@ -271,7 +282,12 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
         triangulator.split(&points, |t| corners.extend(t.map(|i| polygon[i as usize])));
     }
     s.small_faces.note("faces with fewer than 3 corners left out", "line", &mut draft.notes);
-    s.bad_attributes.note("texture or normal indices name nothing and count as 0", "line", &mut draft.notes);
+    s.points_and_lines.note("statements of points and lines left out", "line", &mut draft.notes);
+    s.bad_attributes.note(
+        "texture or normal indices name nothing and count as not given",
+        "line",
+        &mut draft.notes,
+    );
     triangulator.note(&mut draft.notes);
     draft.material_names = s.material_names;
     if corners.iter().all(|c| c[1] == NONE && c[2] == NONE) {
@@ -284,74 +300,52 @@ fn assemble(s: Statements, file_size: usize) -> Draft {
     let (vertices, numbers) = number_vertices(&corners, s.positions.len());
     draft.triangles = numbers.chunks_exact(3).map(|n| [n[0], n[1], n[2]]).collect();
     draft.positions = vertices.iter().map(|c| s.positions[c[0] as usize]).collect();
-    draft.attributes.extend(stream(names::UV, &s.uvs, &corners, &vertices, 1, s.positions.len()));
-    draft.attributes.extend(stream(names::NORMAL, &s.normals, &corners, &vertices, 2, s.positions.len()));
+    draft.attributes.extend(stream(names::UV, &s.uvs, &corners, &vertices, 1, |_| [0.0; 2]));
+    let computed = computed_normals(&corners, &vertices, &mut draft);
+    let normal = |vertex: usize| computed.get(vertex).copied().unwrap_or_default();
+    draft.attributes.extend(stream(names::NORMAL, &s.normals, &corners, &vertices, 2, normal));
     draft.attributes.extend(color(&s.colors, s.color_width, vertices.iter().map(|c| c[0])));
     draft
 }
 
-/// Returns the distinct triples in order of position and then of first use, and the index of each corner's triple.
-/// Positions without corners get a single vertex.
-fn number_vertices(corners: &[Corner], positions: usize) -> (Vec<Corner>, Vec<u32>) {
-    let by_position = Lists::from_pairs(positions, (0..).zip(corners).map(|(c, corner)| (corner[0], c)));
-
-    let mut vertices: Vec<Corner> = Vec::with_capacity(positions);
-    let mut numbers = vec![NONE; corners.len()];
-    let mut sorted: Vec<u32> = Vec::new();
-    for v in 0..positions {
-        let base = vertices.len();
-        let here = by_position.get(v as u32);
-        if here.is_empty() {
-            vertices.push([v as u32, NONE, NONE]);
-        } else if here.len() <= 32 {
-            for &c in here {
-                let corner = corners[c as usize];
-                let known = vertices[base..].iter().position(|&x| x == corner);
-                numbers[c as usize] = (base + known.unwrap_or(vertices.len() - base)) as u32;
-                if known.is_none() {
-                    vertices.push(corner);
-                }
-            }
-        } else {
-            // Sorting places equal triples side by side, first used in front; the other corners take its number.
-            sorted.clear();
-            sorted.extend_from_slice(here);
-            sorted.sort_unstable_by_key(|&c| (corners[c as usize], c));
-            let same = |a: &u32, b: &u32| corners[*a as usize] == corners[*b as usize];
-            let mut leaders: Vec<u32> = sorted.chunk_by(same).map(|group| group[0]).collect();
-            leaders.sort_unstable();
-            for (i, &c) in leaders.iter().enumerate() {
-                numbers[c as usize] = (base + i) as u32;
-                vertices.push(corners[c as usize]);
-            }
-            for group in sorted.chunk_by(same) {
-                let leader = numbers[group[0] as usize];
-                group.iter().for_each(|&c| numbers[c as usize] = leader);
-            }
-        }
+/// Returns normals for vertices without one: the mean of their triangles by area, or the z axis where there is no area.
+/// Empty if all corners have normals or none has. Adds a note.
+fn computed_normals(corners: &[Corner], vertices: &[Corner], draft: &mut Draft) -> Vec<[f32; 3]> {
+    let lacks = |corner: &Corner| corner[2] == NONE;
+    if corners.iter().all(lacks) || !corners.iter().any(lacks) {
+        return Vec::new();
     }
-    (vertices, numbers)
+    let mut normals = vec![DVec3::ZERO; vertices.len()];
+    for triangle in &draft.triangles {
+        let places = triangle.map(|v| DVec3::from_array(draft.positions[v as usize]));
+        triangle.iter().for_each(|&v| normals[v as usize] += triangle::normal(&places));
+    }
+    let count = vertices.iter().filter(|vertex| lacks(vertex)).count();
+    draft.notes.push(format!("{count} vertices have no normal and get one of their triangles"));
+    normals.iter().map(|normal| normal.normalize_or(DVec3::Z).as_vec3().to_array()).collect()
 }
 
 /// Returns the attribute named by slot `slot` of the vertices' triples; `None` if no corner has an index there.
+/// `missing` gives the value of a vertex without an index.
 fn stream<const N: usize>(
     name: &str,
     values: &[[f32; N]],
     corners: &[Corner],
     vertices: &[Corner],
     slot: usize,
-    positions: usize,
+    missing: impl Fn(usize) -> [f32; N],
 ) -> Option<Attribute> {
     if corners.iter().all(|c| c[slot] == NONE) {
         return None;
     }
     // If values are numbered like positions, unused positions keep their values too.
+    let positions = vertices.last().map_or(0, |last| last[0] as usize + 1);
     let alike = values.len() == positions && corners.iter().all(|c| c[slot] == c[0]);
-    let value = |c: &Corner| {
+    let value = |(vertex, c): (usize, &Corner)| {
         let index = if alike { c[0] } else { c[slot] };
-        values.get(index as usize).copied().unwrap_or([0.0; N])
+        values.get(index as usize).copied().unwrap_or_else(|| missing(vertex))
     };
-    let values: Vec<[f32; N]> = vertices.iter().map(value).collect();
+    let values: Vec<[f32; N]> = vertices.iter().enumerate().map(value).collect();
     Some(Attribute::floats(name, &values))
 }
 
@@ -359,7 +353,7 @@ fn color(colors: &[[f32; 4]], width: usize, of: impl Iterator<Item = u32>) -> Op
     if colors.is_empty() {
         return None;
     }
-    let value = |v: u32| colors.get(v as usize).copied().unwrap_or([0.0; 4]).into_iter().take(width);
+    let value = |v: u32| colors.get(v as usize).copied().unwrap_or(WHITE).into_iter().take(width);
     Some(Attribute::new(names::COLOR, width, AttributeValues::Float(of.flat_map(value).collect())))
 }
 

@@ -27,14 +27,25 @@ impl Polygons {
 
     /// Adds the triangles of `corners`.
     pub fn add(&mut self, face: usize, draft: &mut Draft) {
+        self.add_each(face, draft, |_| ());
+    }
+
+    /// Adds the triangles of `corners`, and calls `each` with the corners of each triangle, as indices into `corners`.
+    pub fn add_each(&mut self, face: usize, draft: &mut Draft, mut each: impl FnMut([u32; 3])) {
         match self.corners[..] {
             [] | [_] | [_, _] => self.small.add(face),
-            [a, b, c] => draft.triangles.push([a, b, c]),
+            [a, b, c] => {
+                draft.triangles.push([a, b, c]);
+                each([0, 1, 2]);
+            }
             _ => {
                 self.points.clear();
                 self.points.extend(self.corners.iter().map(|&c| draft.positions[c as usize]));
                 let (corners, triangles) = (&self.corners, &mut draft.triangles);
-                self.triangulator.split(&self.points, |t| triangles.push(t.map(|i| corners[i as usize])));
+                self.triangulator.split(&self.points, |t| {
+                    triangles.push(t.map(|i| corners[i as usize]));
+                    each(t);
+                });
             }
         }
     }

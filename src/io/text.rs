@@ -3,6 +3,7 @@
 //! All tokens borrow from the file; lexing does not allocate.
 
 /// Lines of a file with their numbers from 1; LF, CRLF and CR each end a line.
+#[derive(Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     line: usize,
@@ -12,6 +13,11 @@ impl<'a> Lines<'a> {
     /// Starts at the first line, skipping a byte-order mark.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: without_mark(bytes), line: 0 }
+    }
+
+    /// Starts in line `line`, of which `bytes` holds the end.
+    pub fn from_line(bytes: &'a [u8], line: usize) -> Self {
+        Self { rest: bytes, line: line - 1 }
     }
 
     /// Returns the number of bytes after the last line returned.
@@ -48,7 +54,7 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// Tests for white space as in C, including vertical tab.
 pub(super) fn is_blank(byte: u8) -> bool {
-    byte.is_ascii_whitespace() || byte == 0x0b
+    byte == b' ' || (b'\t'..=b'\r').contains(&byte)
 }
 
 /// Returns a line up to its comment: `#` at the start or after a blank. Names may contain `#`.
@@ -74,6 +80,33 @@ impl<'a> Words<'a> {
     /// Returns the line of the last word returned.
     pub fn line(&self) -> usize {
         self.line
+    }
+
+    /// Tests if the rest of the line is blank, and skips it up to the line end.
+    #[inline]
+    pub fn at_line_end(&mut self) -> bool {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            if byte == b'\n' || byte == b'\r' {
+                return true;
+            }
+            if !is_blank(byte) {
+                return false;
+            }
+            self.at += 1;
+        }
+        true
+    }
+
+    /// Returns the rest of the line.
+    pub fn line_left(&self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        &rest[..end]
+    }
+
+    /// Returns the bytes not yet read.
+    pub fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
     }
 
     /// Skips the rest of the line.
@@ -109,14 +142,53 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// Parses a decimal number. `nan` and `inf` are accepted here; the caller rejects them where needed.
+/// Parses a decimal number. `nan` and `inf` are accepted here, also as spelled by the C library of Microsoft; the caller
+/// rejects them where needed.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    let float = || std::str::from_utf8(word).ok()?.parse().ok();
+    digits(word).map(|value| value as f64).or_else(float).or_else(|| special(word))
+}
+
+/// Parses 1 to 15 digits: exact as a float too, and faster than the parser of floats. Lists of indices are made of such
+/// words.
+#[inline]
+fn digits(word: &[u8]) -> Option<u64> {
+    if word.is_empty() || word.len() > 15 {
+        return None;
+    }
+    let mut value = 0;
+    for &byte in word {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = 10 * value + u64::from(digit);
+    }
+    Some(value)
+}
+
+/// Parses `1.#IND`, `1.#QNAN`, `1.#SNAN`, `1.#INF` (digits may follow) and `nan(ind)`, with or without a sign.
+#[cold]
+fn special(word: &[u8]) -> Option<f64> {
+    let (sign, word) = match word {
+        [b'-', rest @ ..] => (-1.0, rest),
+        [b'+', rest @ ..] => (1.0, rest),
+        _ => (1.0, word),
+    };
+    let is_nan = |name: &&[u8]| word.starts_with(name);
+    if [&b"1.#IND"[..], b"1.#QNAN", b"1.#SNAN"].iter().any(is_nan) {
+        return Some(f64::NAN);
+    }
+    if word.starts_with(b"1.#INF") {
+        return Some(sign * f64::INFINITY);
+    }
+    let (name, rest) = word.split_at_checked(4)?;
+    (name.eq_ignore_ascii_case(b"nan(") && rest.ends_with(b")")).then_some(f64::NAN)
 }
 
 /// Parses an integer of 64 bits.
 pub(super) fn integer(word: &[u8]) -> Option<i64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    digits(word).map(|value| value as i64).or_else(|| std::str::from_utf8(word).ok()?.parse().ok())
 }
 
 /// Formats a word for a single-line message: short and printable.

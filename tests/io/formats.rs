@@ -61,9 +61,9 @@ fn obj_materials_are_numbered_by_appearance() {
 #[test]
 fn obj_colours_follow_positions() {
     let mesh = text(Format::Obj, "v 0 0 0 1 .5 .25\nv 1 0 0 1 0 0\nv 0 1 0 1.0\nf 1 2 3\n");
-    assert_eq!(floats(&mesh, "color"), [1.0, 0.5, 0.25, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(floats(&mesh, "color"), [1.0, 0.5, 0.25, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
     let mesh = text(Format::Obj, "v 0 0 0 1 .5 .25 .75\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    assert_eq!(floats(&mesh, "color"), [1.0, 0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(floats(&mesh, "color"), [1.0, 0.5, 0.25, 0.75, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
 }
 
 const PLY: &str = "ply\nformat ascii 1.0\ncomment made by hand\nobj_info nothing\nelement face 2\n\

@@ -34,7 +34,7 @@ const TABLE: &[(&str, Outcome)] = &[
     ("bad_index.obj", Refused("line 124: a face names vertex 0")),
     (
         "bad_uv.obj",
-        Loads(70, 80, "3 texture or normal indices name nothing and count as 0, such as at line 142"),
+        Loads(70, 80, "3 texture or normal indices name nothing and count as not given, such as at line 142"),
     ),
     ("book_edge.obj", Loads(172, 328, "")),
     ("bowtie_vertex.obj", Loads(90, 164, "")),
@@ -98,7 +98,7 @@ fn every_hostile_file_has_its_outcome() {
 }
 
 /// Open edges after welding by position: none on a closed surface.
-fn open_edges(mesh: &Mesh) -> usize {
+pub fn open_edges(mesh: &Mesh) -> usize {
     let topology = Topology::new(mesh);
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for triangle in mesh.triangles() {
@@ -172,7 +172,7 @@ fn notes_name_a_line() {
     let found = io::read_bytes_with(Format::Obj, text, &ReadOptions::default()).unwrap();
     let notes = found.notes.join("\n");
     assert!(
-        notes.contains("1 texture or normal indices name nothing and count as 0, such as at line 5"),
+        notes.contains("1 texture or normal indices name nothing and count as not given, such as at line 5"),
         "{notes}"
     );
     assert!(notes.contains("1 faces with fewer than 3 corners left out, such as at line 6"), "{notes}");
@@ -205,7 +205,25 @@ fn damaged_files_are_refused_with_their_place() {
         (Format::Stl, b"solid\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\n", "truncated: the facet at the end"),
         (Format::Stl, b"solid\nfacet\nvertex 1 2 3\nendfacet\n", "line 4: a facet has 1 vertices"),
         (Format::Off, b"OFF\n", "truncated: the OFF header has no counts"),
-        (Format::Off, b"4OFF\n1 0 0\n0 0 0 0\n", "not supported: OFF files of the kind \"4OFF\""),
+        (Format::Off, b"4OFF\n1 0 0\n0 0 0 0\n", "line 3: vertex 0 lies at infinity: its fourth coordinate is 0"),
+        (Format::Off, b"5OFF\n1 0 0\n0 0 0 0 0\n", "not supported: OFF files of the kind \"5OFF\""),
+        (Format::Off, b"nOFF\n4\n1 0 0\n0 0 0 0\n", "not supported: OFF files of dimension 4"),
+        (Format::Off, b"nOFF BINARY\n\0\0\0\x03", "not supported: binary OFF files of a declared dimension"),
+        (Format::Off, b"OFF 2 0 0 0 0 0 1 1.00", "truncated: 2 vertices are declared, 1 are there"),
+        (Format::Off, b"OFF 1 1 0 0 0 0 3 0 0 0 7", "line 1: \"7\" follows the last face"),
+        (Format::Off, b"OFF 1 1 0 0 0 0 3 0 0 1", "line 1: face 0 names vertex \"1\""),
+        (Format::Off, b"OFF 1 0 0\n1.#IND 0 0\n", "vertex 0 has a non-finite position"),
+        (Format::Off, b"OFF BINARY\n\0\0\0\x01\0\0\0\0\0\0\0\0", "truncated: 1 vertices, 8 bytes are left"),
+        (Format::Off, b"OFF BINARY\n\xff\xff\xff\xff\0\0\0\0\0\0\0\0", "byte 11: -1 is no count of vertices"),
+        (Format::Stl, b"solid\nfacet\nvertex -1.#IND 2 3\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n", "vertex 0 has a non-finite"),
+        (Format::Stl, b"solid\nfacet\nvertex 1,2,3,4 2 3\n", "line 3: \"1,2,3,4\" is not a number"),
+        (Format::Stl, b"solid a facet vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endfacet endsolid", "line 1: facets stand in"),
+        (Format::Stl, b"solid\nfacet\nvertex 1 2 3\nend facet\n", "line 4: a facet has 1 vertices"),
+        (
+            Format::Ply,
+            b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n1 1 1 9\n1 1 1 9\n3 0 0 0\nmore\n",
+            "line 11: face 0 names vertex 9, but there are 2 vertices",
+        ),
         (Format::Off, b"OFF 1 1 0\n0 0 0\n3 0 0 1\n", "line 3: face 0 names vertex \"1\", but there are 1 vertices"),
         (Format::Off, b"OFF 2 0 0\n0 0 0 # one\n\n", "truncated: 2 vertices are declared, 1 are there"),
         (Format::Glb, b"glTF\x02\0\0\0\xff\0\0\0", "truncated: the GLB file says 255 bytes, 12 are there"),
@@ -370,9 +388,19 @@ fn seeds(format: Format) -> Vec<Vec<u8>> {
             all.push([header, body].concat().into_bytes());
             let binary = header.replace("ascii", "binary_big_endian");
             all.push([binary.as_bytes(), &[0; 200]].concat());
+            let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty int texnumber\nend_header\n";
+            all.push([header, "0 0 0\n1 0 0 7\n1 1 0\n0 1 0\n8 0 0 1 0 1 1 0 1 4 0 1 2 3 9 9 9 0\n0 3 0 1 2 8 8 8 1\n"].concat().into_bytes());
         }
-        Format::Stl => all.push(b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n".to_vec()),
+        Format::Stl => {
+            all.push(b"solid facet\nfacet normal 1.#IND 0 1\nouter loop\nvertex 0,5 0 0\nvertex 1.5, 0, 0\nvertex 0 1 0\nend loop\nend facet\nend\n".to_vec());
+            all.push([&[b'x'; 80][..], &[255; 4], &[0; 103]].concat());
+            all.push(b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n".to_vec());
+        }
         Format::Off => {
+            all.push(b"OFF3 2\n0 0 0 9 9 9\n1 0 0\n0 1 0\n3 0 1 2 1.0 0.5 0\n3 0 2 1 4\n".to_vec());
+            all.push(b"NC4OFF 3 1 0 0 0 0 1 9 9 9 9 0 0 1 1 0 0 1 9 9 9 9 0 0 1 0 1 0 1 9 9 9 9 0 0 1 3 0 1 2".to_vec());
+            all.push(b"ncoff\n1 0 0\n0 0 0 9 9 9 0 0 -1\n".to_vec());
+            all.push([&b"COFF BINARY\n\x03\0\0\0\x01\0\0\0\0\0\0\0"[..], &[0; 72], &b"\x03\0\0\0\0\0\0\0\x01\0\0\0\x02\0\0\0"[..]].concat());
             all.push(b"STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0 0\n1 0 0 0 0 1 255 0 0 255 0 0\n0 1 0 0 0 1 255 0 0 255 0 0\n3 0 1 2 7 7 7\n".to_vec());
             all.push([&b"OFF BINARY\n\0\0\0\x03\0\0\0\x01\0\0\0\0"[..], &[0; 36], &b"\0\0\0\x03\0\0\0\0\0\0\0\x01\0\0\0\x02\0\0\0\0"[..]].concat());
         }
@@ -392,7 +420,7 @@ fn seeds_of_the_fuzzing_tests_are_read_or_refused_as_meant() {
     }
 }
 
-const VOCABULARY: &str = "v|vt|vn|f|usemtl|1|2|-1|1//1|1/1/1|0.5|nan|\\|#|\n|\n|\r|OFF|COFF|solid|facet|endfacet|vertex|3|ply|format ascii 1.0|element vertex 2|property float x|property float y|property float z|element face 1|property list uchar int vertex_index|end_header";
+const VOCABULARY: &str = "end|1,5|OFF2|NCOFF|4OFF|BINARY|255|property list uchar float texcoord|property uchar red|property uchar green|property uchar blue|v|vt|vn|f|usemtl|1|2|-1|1//1|1/1/1|0.5|nan|\\|#|\n|\n|\r|OFF|COFF|solid|facet|endfacet|vertex|3|ply|format ascii 1.0|element vertex 2|property float x|property float y|property float z|element face 1|property list uchar int vertex_index|end_header";
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]

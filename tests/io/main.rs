@@ -6,8 +6,10 @@ mod models;
 mod support;
 
 mod baked;
+mod cases;
 mod formats;
 mod gltf_textures;
 mod hostile_files;
 mod roundtrip;
 mod serde;
+mod variants;

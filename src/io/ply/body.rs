@@ -2,12 +2,12 @@
 //!
 //! Checks every declared count against the bytes left before reserving memory for it.
 
+use super::faces::Faces;
 use super::header::{Element, Encoding, Header, Kind, Property};
-use crate::io::draft::{Draft, Tally};
-use crate::io::error::{Place, ReadError};
-use crate::io::polygon::Polygons;
-use crate::io::text::{Words, number, quoted};
-use crate::mesh::{Attribute, AttributeValues, NONE, names};
+use super::source::{Rows, Source};
+use crate::io::draft::Draft;
+use crate::io::error::ReadError;
+use crate::mesh::{Attribute, AttributeValues, names};
 
 /// Most properties of an element, against hostile files: names are compared pairwise.
 const MAX_PROPERTIES: usize = 1024;
@@ -21,7 +21,8 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Draft, ReadError> {
         }
     }
     let mut draft = Draft { material_names: header.material_names.clone(), ..Draft::default() };
-    let mut source = Source::new(header, bytes);
+    let rows = Rows::new(header, bytes);
+    let mut source = Source::new(header, bytes, &rows);
     let mut faces = Faces::new(bytes.len());
     // Faces before the vertices wait until the vertices are known.
     let mut waiting = Vec::new();
@@ -46,133 +47,14 @@ pub(super) fn read(header: &Header, bytes: &[u8]) -> Result<Draft, ReadError> {
     for (element, mut start) in waiting {
         faces.read(element, &mut start, &mut draft)?;
     }
-    faces.polygons.note(&mut draft.notes);
-    faces.no_material.note(
-        "faces with a negative material index count as material 0",
-        "face",
-        &mut draft.notes,
-    );
+    source.note(&mut draft.notes);
+    faces.finish(&mut draft)?;
     Ok(draft)
 }
 
 /// Converts an integer to a share of its type's largest value.
 pub(super) fn unit(value: f64, maximum: f64) -> f32 {
     (value / maximum) as f32
-}
-
-/// Values of the body in order, in any encoding.
-#[derive(Clone)]
-struct Source<'a> {
-    encoding: Encoding,
-    bytes: &'a [u8],
-    at: usize,
-    words: Words<'a>,
-}
-
-impl<'a> Source<'a> {
-    fn new(header: &Header, bytes: &'a [u8]) -> Self {
-        let words = Words::new(&bytes[header.body..], header.body_line);
-        Self { encoding: header.encoding, bytes, at: header.body, words }
-    }
-
-    fn left(&self) -> usize {
-        match self.encoding {
-            Encoding::Text => self.words.left(),
-            _ => self.bytes.len() - self.at,
-        }
-    }
-
-    /// Checks that the bytes left can hold the declared number of entries.
-    fn check(&self, element: &Element) -> Result<(), ReadError> {
-        let (least, left) = (element.least_size(self.encoding), self.left());
-        // The last word of a text needs no blank after it.
-        match element.count.checked_mul(least) {
-            Some(needed) if needed <= left as u64 + u64::from(self.encoding == Encoding::Text) => Ok(()),
-            _ => {
-                let Element { name, count, .. } = element;
-                let what =
-                    format!("{count} entries of element {name:?} take {least} bytes each, {left} are left");
-                Err(ReadError::truncated(what))
-            }
-        }
-    }
-
-    /// Reads `size` bytes of a binary file.
-    fn take(&mut self, size: usize) -> Result<&'a [u8], ReadError> {
-        let left = &self.bytes[self.at..];
-        if size > left.len() {
-            return Err(ReadError::truncated(format!(
-                "{size} bytes are needed at byte {}, {} are left",
-                self.at,
-                left.len()
-            )));
-        }
-        self.at += size;
-        Ok(&left[..size])
-    }
-
-    fn value(&mut self, kind: Kind) -> Result<f64, ReadError> {
-        if self.encoding != Encoding::Text {
-            return Ok(kind.value(self.take(kind.size())?, self.encoding));
-        }
-        match self.words.next() {
-            None => Err(ReadError::truncated(format!("a value is missing after line {}", self.words.line()))),
-            Some(word) => number(word).ok_or_else(|| self.fail(format!("{} is not a number", quoted(word)))),
-        }
-    }
-
-    /// Reads the length of a list. Checks it against the bytes left, at least 1 byte an entry.
-    fn list(&mut self, count: Kind, kind: Kind) -> Result<usize, ReadError> {
-        let count = self.value(count)?;
-        let least = if self.encoding == Encoding::Text { 1 } else { kind.size() };
-        if !(count >= 0.0 && count.fract() == 0.0) {
-            return Err(self.fail(format!("{count} is no length of a list")));
-        }
-        if count * least as f64 > self.left() as f64 {
-            let (place, left) = (self.place(), self.left());
-            return Err(ReadError::truncated(format!(
-                "a list of {count} values at {place}, {left} bytes are left"
-            )));
-        }
-        Ok(count as usize)
-    }
-
-    fn skip_property(&mut self, property: &Property) -> Result<(), ReadError> {
-        let count = match property.count {
-            Some(count) => self.list(count, property.kind)?,
-            None => 1,
-        };
-        if self.encoding == Encoding::Text {
-            (0..count).try_for_each(|_| self.value(property.kind).map(|_| ()))
-        } else {
-            self.take(count * property.kind.size()).map(|_| ())
-        }
-    }
-
-    fn skip(&mut self, element: &Element) -> Result<(), ReadError> {
-        if element.properties.is_empty() {
-            return Ok(());
-        }
-        if self.encoding != Encoding::Text && element.is_flat() {
-            let size = (element.count * element.least_size(self.encoding)) as usize;
-            return self.take(size).map(|_| ());
-        }
-        for _ in 0..element.count {
-            element.properties.iter().try_for_each(|p| self.skip_property(p))?;
-        }
-        Ok(())
-    }
-
-    fn place(&self) -> Place {
-        match self.encoding {
-            Encoding::Text => Place::Line(self.words.line()),
-            _ => Place::Byte(self.at),
-        }
-    }
-
-    fn fail(&self, what: impl Into<String>) -> ReadError {
-        ReadError::Syntax { place: self.place(), what: what.into() }
-    }
 }
 
 /// Destination of the values of a vertex property.
@@ -200,7 +82,7 @@ fn groups(element: &Element) -> Vec<Group> {
     let find =
         |name: &str, free: &[bool]| properties.iter().zip(free).position(|(p, &free)| free && p.name == name);
     let mut groups: Vec<Group> = Vec::new();
-    let known: [(&str, &[&str]); 7] = [
+    let known: [(&str, &[&str]); 9] = [
         (names::NORMAL, &["nx", "ny", "nz"]),
         (names::UV, &["s", "t"]),
         (names::UV, &["u", "v"]),
@@ -208,6 +90,8 @@ fn groups(element: &Element) -> Vec<Group> {
         (names::UV, &["texture_s", "texture_t"]),
         (names::COLOR, &["red", "green", "blue", "alpha"]),
         (names::COLOR, &["red", "green", "blue"]),
+        (names::COLOR, &["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"]),
+        (names::COLOR, &["diffuse_red", "diffuse_green", "diffuse_blue"]),
     ];
     for (name, parts) in known {
         let found: Option<Vec<usize>> = parts.iter().map(|part| find(part, &free)).collect();
@@ -312,6 +196,7 @@ fn read_vertices(element: &Element, source: &mut Source, draft: &mut Draft) -> R
                     put(vertex, target, source.value(property.kind)?);
                 }
             }
+            source.end_entry();
         }
     }
     for (group, store) in groups.into_iter().zip(stores) {
@@ -323,112 +208,4 @@ fn read_vertices(element: &Element, source: &mut Source, draft: &mut Draft) -> R
         draft.attributes.push(Attribute::new(group.name, group.properties.len(), values));
     }
     Ok(())
-}
-
-/// Reads faces and strips.
-struct Faces {
-    polygons: Polygons,
-    no_material: Tally,
-}
-
-impl Faces {
-    fn new(file_size: usize) -> Self {
-        Self { polygons: Polygons::new(file_size), no_material: Tally::default() }
-    }
-
-    fn read(&mut self, element: &Element, source: &mut Source, draft: &mut Draft) -> Result<(), ReadError> {
-        let is_list = |p: &Property| {
-            p.count.is_some()
-                && !p.kind.is_float()
-                && matches!(p.name.as_str(), "vertex_indices" | "vertex_index")
-        };
-        let is_material = |p: &Property| {
-            p.count.is_none() && matches!(p.name.as_str(), "material_index" | "material" | "material_id")
-        };
-        let Some(list) = element.properties.iter().position(is_list) else {
-            draft
-                .notes
-                .push(format!("element {:?} has no list of vertex indices and is left out", element.name));
-            return source.skip(element);
-        };
-        let material = element.properties.iter().position(is_material);
-        let strips = element.name == "tristrips";
-        if !strips && source.encoding != Encoding::Text {
-            // A list takes at least 1 byte. Most files have triangles: this is their number.
-            let per_face =
-                element.least_size(source.encoding) as usize + 3 * element.properties[list].kind.size();
-            draft.triangles.reserve((element.count as usize).min(source.left() / per_face + 1));
-        }
-        for face in 0..element.count as usize {
-            let mut id = None;
-            self.polygons.corners.clear();
-            for (p, property) in element.properties.iter().enumerate() {
-                match property.count {
-                    Some(count) if p == list => {
-                        self.read_corners(face, count, property.kind, source, draft, strips)?
-                    }
-                    None if Some(p) == material => id = Some(source.value(property.kind)?),
-                    _ => source.skip_property(property)?,
-                }
-            }
-            let before = draft.triangles.len();
-            if strips {
-                unroll(&self.polygons.corners, &mut draft.triangles);
-            } else {
-                self.polygons.add(face, draft);
-            }
-            if let Some(id) = id {
-                if id < 0.0 {
-                    self.no_material.add(face);
-                } else if !(id <= f64::from(u32::MAX) && id.fract() == 0.0) {
-                    return Err(source.fail(format!("face {face} has the material index {id}")));
-                }
-                let id = id as u32;
-                draft.materials.resize(before, 0);
-                draft.materials.resize(draft.triangles.len(), id);
-            } else if !draft.materials.is_empty() {
-                draft.materials.resize(draft.triangles.len(), 0);
-            }
-        }
-        Ok(())
-    }
-
-    /// Reads the corners of a face. In a strip, -1 starts a new strip and is kept as `NONE`.
-    fn read_corners(
-        &mut self,
-        face: usize,
-        count: Kind,
-        kind: Kind,
-        source: &mut Source,
-        draft: &Draft,
-        strips: bool,
-    ) -> Result<(), ReadError> {
-        let vertices = draft.positions.len();
-        for _ in 0..source.list(count, kind)? {
-            let given = source.value(kind)?;
-            let corner = if strips && given == -1.0 {
-                NONE
-            } else if given >= 0.0 && given < vertices as f64 && given.fract() == 0.0 {
-                given as u32
-            } else {
-                return Err(source
-                    .fail(format!("face {face} names vertex {given}, but there are {vertices} vertices")));
-            };
-            self.polygons.corners.push(corner);
-        }
-        Ok(())
-    }
-}
-
-/// Converts strips to triangles: flips every second triangle. Skips triangles with equal corners, used only to move a
-/// strip.
-fn unroll(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    for strip in corners.split(|&c| c == NONE) {
-        for (i, corners) in strip.windows(3).enumerate() {
-            let [a, b, c] = [corners[i % 2], corners[1 - i % 2], corners[2]];
-            if a != b && b != c && c != a {
-                triangles.push([a, b, c]);
-            }
-        }
-    }
 }

@@ -145,6 +145,9 @@ pub(super) struct Header {
 /// Reads the header, including `end_header`.
 pub(super) fn read(bytes: &[u8]) -> Result<Header, ReadError> {
     let mut lines = Lines::new(bytes);
+    // Where lines end in a lone CR, LF is the first byte of the body.
+    let first_end = bytes.iter().position(|&b| b == b'\r' || b == b'\n').unwrap_or(bytes.len());
+    let lone_cr = bytes[first_end..].starts_with(b"\r") && !bytes[first_end..].starts_with(b"\r\n");
     if lines.next().is_none_or(|(_, line)| line.trim_ascii() != b"ply") {
         return Err(ReadError::line(1, "a PLY file starts with \"ply\""));
     }
@@ -194,7 +197,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, ReadError> {
             }
             Some(b"end_header") => {
                 let encoding = encoding.ok_or_else(|| fail("the header names no format"))?;
-                let body = bytes.len() - lines.left();
+                let mut body = bytes.len() - lines.left();
+                if lone_cr && encoding != Encoding::Text && bytes[..body].ends_with(b"\r\n") {
+                    body -= 1;
+                }
                 return Ok(Header { encoding, elements, material_names, body, body_line: number + 1 });
             }
             Some(word) => return Err(fail(&format!("{} is no PLY header line", quoted(word)))),
