@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`start`] | ten minutes: from `cargo add` to a level of detail following the eye |
 //! | [`input`] | meshes, attributes, files |
+//! | [`assets`] | glTF with skins, animations and morph targets: the same file, lighter |
 //! | [`simplification`] | removing detail, and what the result reports |
 //! | [`further`] | when simplification gets stuck: every reason, and what helps |
 //! | [`tom`] | the totally ordered mesh: any level, any frame |
@@ -20,6 +21,7 @@ macro_rules! chapter {
     ($name:ident, $file:literal) => {
         #[doc = "[start]: crate::guide::start"]
         #[doc = "[input]: crate::guide::input"]
+        #[doc = "[assets]: crate::guide::assets"]
         #[doc = "[simplification]: crate::guide::simplification"]
         #[doc = "[further]: crate::guide::further"]
         #[doc = "[tom]: crate::guide::tom"]
@@ -40,6 +42,7 @@ macro_rules! chapter {
 
 chapter!(start, "start.md");
 chapter!(input, "input.md");
+chapter!(assets, "assets.md");
 chapter!(simplification, "simplification.md");
 chapter!(further, "further.md");
 chapter!(tom, "tom.md");
