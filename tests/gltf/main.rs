@@ -10,6 +10,7 @@ mod models;
 mod validator;
 
 mod compare;
+mod hostile;
 mod levels;
 mod poses;
 mod reading;

@@ -32,10 +32,18 @@ pub(super) enum Ids {
     Primitive,
 }
 
+/// Whether a primitive is triangles. If a document has points alone, as those that this crate writes for meshes without
+/// triangles, they are read as vertices: see [`is_cloud`].
 pub(super) fn is_surface(primitive: &Primitive) -> bool {
     use Mode::{TriangleFan, TriangleStrip, Triangles};
     let has_positions = primitive.attributes.contains_key(&Checked::Valid(Semantic::Positions));
     has_positions && matches!(primitive.mode, Checked::Valid(Triangles | TriangleStrip | TriangleFan))
+}
+
+/// Whether a primitive is points, one a vertex.
+fn is_cloud(primitive: &Primitive) -> bool {
+    let has_positions = primitive.attributes.contains_key(&Checked::Valid(Semantic::Positions));
+    has_positions && primitive.mode == Checked::Valid(Mode::Points) && primitive.indices.is_none()
 }
 
 /// An attribute of the mesh being built.
@@ -107,10 +115,14 @@ impl Plan {
         // Sorted by the names in the file, displacements last.
         let mut found: BTreeMap<(usize, String), Stream> = BTreeMap::new();
         let mut keyed: Vec<(usize, Vec<Option<Keyed>>)> = Vec::with_capacity(built.len());
+        let all = || built.iter().flat_map(|&m| &store.document.meshes[m].primitives);
+        let clouds = !all().any(is_surface) && all().all(is_cloud);
         for &m in built {
             let mut primitives = Vec::new();
             for (p, primitive) in store.document.meshes[m].primitives.iter().enumerate() {
-                primitives.push(Keyed::new(store, primitive, &targets(m, p), &mut found)?);
+                let is_built = clouds || is_surface(primitive);
+                let keyed = is_built.then(|| Keyed::new(store, primitive, &targets(m, p), &mut found));
+                primitives.push(keyed.transpose()?.flatten());
             }
             keyed.push((m, primitives));
         }
@@ -156,7 +168,7 @@ impl Keyed {
         found: &mut BTreeMap<(usize, String), Stream>,
     ) -> Result<Option<Self>, ReadError> {
         let position = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
-        let (true, Some(position)) = (is_surface(primitive), position) else { return Ok(None) };
+        let Some(position) = position else { return Ok(None) };
         let mut inputs = Vec::new();
         let mut add = |key: (usize, String), accessor: usize, stream: Stream| {
             inputs.push((accessor, key.clone()));
@@ -260,7 +272,9 @@ impl<'a> Builder<'a> {
                 }
             };
             let before = self.draft.triangles.len();
-            self.triangles(mesh, p, primitive, base, count)?;
+            if is_surface(primitive) {
+                self.triangles(mesh, p, primitive, base, count)?;
+            }
             if world.determinant() < 0.0 {
                 self.draft.triangles[before..].iter_mut().for_each(|t| t.swap(1, 2));
             }

@@ -115,6 +115,15 @@ fn instanced(store: &Store, n: usize, instancing: &Instancing, most: usize) -> R
         .collect())
 }
 
+/// Returns the largest scale of a node's instances; 1 if they have none.
+pub(super) fn largest_instance(store: &Store, instancing: &Instancing) -> f64 {
+    let Some(&accessor) = instancing.attributes.get("SCALE") else { return 1.0 };
+    let mut most = 0.0f64;
+    let bounded = store.count(accessor).is_ok() && store.replaced(accessor) <= store.bytes();
+    let read = bounded.then(|| store.values(accessor, |_, _, value| most = most.max(value.abs())).ok());
+    if read.flatten().is_some() { most } else { 1.0 }
+}
+
 fn roots(document: &Document) -> Result<Vec<usize>, ReadError> {
     let scenes = document.scenes.len();
     match (document.scene, document.scenes.first()) {

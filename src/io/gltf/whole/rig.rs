@@ -205,7 +205,11 @@ impl Rig {
         let mut scale = 0.0f64;
         for (n, node) in store.document.nodes.iter().enumerate().filter(|(_, node)| node.mesh == Some(mesh)) {
             match node.skin.filter(|skin| *skin < self.skins.len()) {
-                None => scale = scale.max(largest_scale(&rest.worlds[n])),
+                None => {
+                    let instances = node.extensions.as_ref().and_then(|e| e.instancing.as_ref());
+                    let most = instances.map_or(1.0, |instances| scene::largest_instance(store, instances));
+                    scale = scale.max(most * largest_scale(&rest.worlds[n]));
+                }
                 Some(skin) => {
                     skins.insert(skin);
                 }
