@@ -15,12 +15,13 @@
 //! | [`packets`] | messages of a server, at a client |
 //! | [`requests`] | messages of a client, at a session |
 //! | [`prefix`] | a file of which every beginning is a mesh |
+//! | [`documents`] | a GLB file, whole: meshes, poses, levels, and written again |
 //! | [`meshes`] | OBJ, PLY, STL, OFF, GLB and glTF, by the second byte |
 
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
 
-use multires::io::{Format, OpenOptions, open_model, read_bytes};
+use multires::io::{Format, GltfDocument, GltfLevels, OpenOptions, open_model, read_bytes};
 use multires::lod::Values;
 use multires::mesh::shapes;
 use multires::prelude::*;
@@ -34,13 +35,14 @@ mod mend;
 pub type Target = (&'static str, fn(&[u8]) -> bool);
 
 /// All targets.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     ("baked", baked),
     ("store", store),
     ("packets", packets),
     ("requests", requests),
     ("prefix", prefix),
     ("meshes", meshes),
+    ("documents", documents),
 ];
 
 /// Splits data into whether checksums are to fit, and the rest.
@@ -175,4 +177,26 @@ pub fn meshes(data: &[u8]) -> bool {
     let Some((format, bytes)) = data.get(1..).and_then(<[u8]>::split_first) else { return false };
     let formats = [Format::Obj, Format::Ply, Format::Stl, Format::Off, Format::Glb, Format::Gltf];
     read_bytes(formats[usize::from(*format) % formats.len()], bytes).is_ok()
+}
+
+/// Opens a glTF document, takes its meshes out and puts them back as they are and as levels; what is written must open.
+pub fn documents(data: &[u8]) -> bool {
+    let Some(bytes) = data.get(1..) else { return false };
+    let Ok(mut document) = GltfDocument::from_bytes(bytes) else { return false };
+    for i in 0..document.mesh_count().min(4) {
+        assert!(document.mesh_scale(i) > 0.0);
+        let poses = document.poses(i, 3).unwrap_or_default();
+        let Ok(Some(imported)) = document.mesh(i) else { continue };
+        for pose in
+            GltfDocument::extreme_poses(&poses, &imported.mesh, 2).iter().chain(&document.target_poses(i))
+        {
+            assert_eq!(pose.positions(&imported.mesh).len(), imported.mesh.positions().len());
+        }
+        let _ = document.replace(i, &imported.mesh);
+        let _ = document.add_level(i, &imported.mesh, 0.5);
+    }
+    document.link_levels(GltfLevels::MsftLod);
+    let Ok(written) = document.to_glb() else { return false };
+    GltfDocument::from_bytes(&written).expect("what is written opens");
+    true
 }

@@ -5,6 +5,9 @@
 mod command;
 #[path = "../support/content.rs"]
 mod content;
+/// Vertices around and along the tube of the samples.
+#[cfg(feature = "cli")]
+const TUBE: [usize; 2] = [24, 40];
 #[cfg(feature = "cli")]
 #[path = "../support/gltf_samples.rs"]
 mod gltf_samples;

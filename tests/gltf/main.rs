@@ -2,6 +2,8 @@
 
 #![cfg(all(feature = "io", feature = "quality"))]
 
+/// Vertices around and along the tube of the samples.
+const TUBE: [usize; 2] = [24, 40];
 #[path = "../support/gltf_samples.rs"]
 mod gltf_samples;
 #[path = "../support/models.rs"]

@@ -13,8 +13,8 @@ pub struct Sample {
 }
 
 /// A bent tube with a seam along it: vertices in rows of `AROUND + 1`.
-pub const AROUND: usize = 24;
-pub const ALONG: usize = 40;
+pub const AROUND: usize = crate::TUBE[0];
+pub const ALONG: usize = crate::TUBE[1];
 
 fn angle(i: usize) -> f32 {
     std::f32::consts::TAU * (i % AROUND) as f32 / AROUND as f32
@@ -416,7 +416,8 @@ fn shared_vertices() -> Sample {
         let indices = s.indices(&indices(from, to));
         json!({ "attributes": tube["attributes"], "indices": indices, "material": material, "extras": { "part": material } })
     };
-    let parts = [part(&mut s, 2, 0, 10), part(&mut s, 0, 10, 30), part(&mut s, 2, 30, ALONG)];
+    let cut = [ALONG / 4, 3 * ALONG / 4];
+    let parts = [part(&mut s, 2, 0, cut[0]), part(&mut s, 0, cut[0], cut[1]), part(&mut s, 2, cut[1], ALONG)];
     s.mesh(&parts);
     s
 }
@@ -427,7 +428,7 @@ fn mixed() -> Sample {
     let tube = s.tube();
     let colours: Vec<[f32; 3]> = vertices(|row, _| [row as f32 / ALONG as f32, 0.0, 1.0]);
     let colour = s.floats(&colours);
-    let [low, high] = [indices(0, 20), indices(20, ALONG)].map(|list| s.indices(&list));
+    let [low, high] = [indices(0, ALONG / 2), indices(ALONG / 2, ALONG)].map(|list| s.indices(&list));
     s.mesh(&[
         json!({ "attributes": tube["attributes"], "indices": low }),
         json!({ "attributes": { "POSITION": tube["attributes"]["POSITION"], "COLOR_0": colour }, "indices": high }),
@@ -456,11 +457,12 @@ fn scenes() -> Sample {
 /// Attributes of the application's own, and indices of a byte.
 fn custom() -> Sample {
     let mut s = Sample::new("attributes of its own, indices of a byte");
-    let [positions, normals] = [positions(), normals()].map(|values| values[..10 * (AROUND + 1)].to_vec());
+    let rows = ALONG.min(10);
+    let [positions, normals] = [positions(), normals()].map(|values| values[..rows * (AROUND + 1)].to_vec());
     let (position, normal) = (s.positions(&positions), s.floats(&normals));
     let feature: Vec<[f32; 1]> = (0..positions.len()).map(|i| [(i / 50) as f32]).collect();
     let feature = s.floats(&feature);
-    let list: Vec<u8> = indices(0, 9).iter().map(|&i| i as u8).filter(|&i| i < 255).collect();
+    let list: Vec<u8> = indices(0, rows - 1).iter().map(|&i| i as u8).filter(|&i| i < 255).collect();
     let list = &list[..list.len() / 3 * 3];
     let indices = s.accessor(list, 5121, list.len(), "SCALAR", json!({ "target": 34963 }));
     s.mesh(&[json!({ "attributes": { "POSITION": position, "NORMAL": normal, "_FEATURE_ID_0": feature }, "indices": indices })]);

@@ -24,6 +24,11 @@ use multires::{Gmesh, TotallyOrderedMesh};
 use multires_fuzz::{TARGETS, Target};
 use peak_alloc::PeakAlloc;
 
+/// Vertices around and along the tube of the samples.
+const TUBE: [usize; 2] = [4, 5];
+#[path = "../../../tests/support/gltf_samples.rs"]
+mod gltf_samples;
+
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
@@ -178,6 +183,11 @@ fn seed_model<S: Stored>(mesh: &Mesh, name: &str, bake: impl Fn(&Mesh) -> Outcom
 
 /// Writes the seeds anew: small shapes that the crate makes itself.
 fn write_seeds() -> Outcome<()> {
+    for sample in gltf_samples::all() {
+        let name: String =
+            sample.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
+        seed("documents", &name, &[0], &sample.glb())?;
+    }
     let prop = shapes::prop(1);
     for (name, mesh) in [("rock", shapes::rock(100, 1)), ("prop", prop.clone())] {
         seed_model::<VertexHierarchy>(&mesh, name, |mesh| Ok(VertexHierarchy::bake(mesh)?))?;

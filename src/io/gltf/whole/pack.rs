@@ -70,7 +70,8 @@ pub(super) fn pack(
     uses: &Uses,
     columns: &[&Column],
 ) -> Result<Packed, WriteError> {
-    let free: BTreeSet<usize> = uses.replaced.difference(&uses.kept).copied().collect();
+    let free = uses.replaced.difference(&uses.kept).copied();
+    let free: BTreeSet<usize> = free.filter(|accessor| *accessor < accessors.len()).collect();
     let mut packing = Packing { store, accessors, views, free_views: BTreeSet::new() };
     packing.free_views.extend(uses.replaced_views.difference(&uses.kept_views));
     for &accessor in &free {
