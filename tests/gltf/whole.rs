@@ -154,6 +154,16 @@ fn game_models_stay_whole() {
     ];
     for (i, name) in cases.iter().enumerate() {
         let document = GltfDocument::read(root.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // Put back as they are, meshes are the same bit for bit.
+        let mut same = document.clone();
+        let surfaces = meshes(&document);
+        for (i, mesh) in surfaces.iter().enumerate().filter_map(|(i, mesh)| Some((i, mesh.as_ref()?))) {
+            same.replace(i, mesh).unwrap();
+        }
+        let back = GltfDocument::from_bytes(&same.to_glb().unwrap()).unwrap();
+        for (a, b) in surfaces.iter().zip(meshes(&back)) {
+            assert!(a.as_ref().map(corners) == b.as_ref().map(corners), "{name}");
+        }
         let lighter = halved(&document).to_glb().unwrap();
         let [a, b] = [document.to_glb().unwrap(), lighter.clone()].map(|bytes| File::of_glb(&bytes));
         same_but_for_surfaces(name, &a, &b, &[]);
@@ -166,6 +176,18 @@ fn game_models_stay_whole() {
     let errors: Vec<String> = errors.into_iter().filter(|e| !e.contains("IO_ERROR")).collect();
     assert!(errors.is_empty(), "{} errors\n{}", errors.len(), errors[..errors.len().min(20)].join("\n"));
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn sparse_targets_stay_sparse() {
+    for sample in [gltf_samples::morphed(true), gltf_samples::morphed(false)] {
+        let is_sparse = sample.name != "morph";
+        let document = GltfDocument::from_bytes(&sample.glb()).unwrap();
+        let file = File::of_glb(&halved(&document).to_glb().unwrap());
+        let bulge = &file.json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"];
+        let accessor = &file.json["accessors"][bulge.as_u64().unwrap() as usize];
+        assert_eq!(accessor.get("sparse").is_some(), is_sparse, "{}", sample.name);
+    }
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(super) struct Column {
     pub count: usize,
     /// Elements, each `stride` bytes.
     pub bytes: Vec<u8>,
+    /// Of a column that is mostly zeros: the elements that `bytes` holds.
+    pub sparse: Option<Vec<u32>>,
     pub stride: usize,
     /// Least and largest stored components.
     pub range: Option<[Vec<f64>; 2]>,
@@ -31,6 +33,8 @@ pub(super) struct Source {
     pub name: Option<String>,
     pub old: usize,
     pub shape: Shape,
+    /// Whether the old accessor stores nothing but what differs from 0, as morph targets of faces do.
+    pub is_sparse: bool,
 }
 
 impl Column {
@@ -55,7 +59,22 @@ impl Column {
         }
         let keeps_sum = name.is_some_and(|name| names::is_set_of(name, names::WEIGHTS));
         let is_position = name.is_none_or(|name| names::is_set_of(name, names::DISPLACEMENT));
-        Some(rows.encode(old, shape, keeps_sum, is_position))
+        let column = rows.encode(old, shape, keeps_sum, is_position);
+        Some(if source.is_sparse { column.thinned() } else { column })
+    }
+
+    /// Leaves out zeros, where that takes less room.
+    fn thinned(self) -> Self {
+        let elements = || self.bytes.chunks_exact(self.stride);
+        let places: Vec<u32> =
+            (0..).zip(elements()).filter(|(_, e)| e.iter().any(|&b| b != 0)).map(|(i, _)| i).collect();
+        let is_tight = self.stride == self.shape.component.size() * self.shape.width;
+        // An accessor must replace at least one element.
+        if !is_tight || places.is_empty() || places.len() * (self.stride + 4) >= self.bytes.len() {
+            return self;
+        }
+        let bytes = places.iter().flat_map(|&i| &self.bytes[i as usize * self.stride..][..self.stride]);
+        Self { bytes: bytes.copied().collect(), sparse: Some(places), ..self }
     }
 
     /// Makes a column of indices, in the type of the old ones if they fit.
@@ -73,7 +92,7 @@ impl Column {
         indices.iter().for_each(|i| bytes.extend_from_slice(&i.to_le_bytes()[..stride]));
         let shape = Shape { component, normalized: false, width: 1 };
         let (old, count) = (old.map(|(old, _)| old), indices.len());
-        Self { old, shape, count, bytes, stride, range: None, is_index: true }
+        Self { old, shape, count, bytes, sparse: None, stride, range: None, is_index: true }
     }
 }
 
@@ -116,7 +135,7 @@ impl Rows {
             bytes.resize(bytes.len().next_multiple_of(stride), 0);
         }
         let range = is_position.then_some(range);
-        Column { old: Some(old), shape, count, bytes, stride, range, is_index: false }
+        Column { old: Some(old), shape, count, bytes, sparse: None, stride, range, is_index: false }
     }
 }
 

@@ -264,7 +264,8 @@ impl GltfDocument {
         for (p, primitive) in self.document.meshes[mesh].primitives.iter().enumerate() {
             let Some(Some(part)) = plan.meshes[&mesh].primitives.get(p) else { continue };
             let source = |name: Option<String>, old: usize| -> Result<Source, ReadError> {
-                Ok(Source { name, old, shape: store.shape(old)? })
+                let is_sparse = store.accessor(old)?.buffer_view.is_none();
+                Ok(Source { name, old, shape: store.shape(old)?, is_sparse })
             };
             let mut list = vec![("POSITION".to_owned(), source(None, part.position)?)];
             for (semantic, accessor) in attributes(primitive) {

@@ -256,22 +256,23 @@ impl Packing<'_> {
     fn append(&mut self, columns: &[&Column], mut free: BTreeSet<usize>, buffer: &mut Vec<u8>) -> Vec<usize> {
         let mut index = Vec::with_capacity(columns.len());
         for column in columns {
-            buffer.resize(buffer.len().next_multiple_of(4), 0);
-            let mut view = json!({
-                "buffer": 0,
-                "byteOffset": buffer.len(),
-                "byteLength": column.bytes.len(),
-                "target": if column.is_index { INDICES } else { VERTICES },
-            });
-            if !column.is_index {
-                view["byteStride"] = json!(column.stride);
-            }
-            buffer.extend_from_slice(&column.bytes);
-            let view = put(&mut self.views, self.free_views.pop_first(), view);
             let old = column.old.and_then(|old| self.accessors.get(old));
-            let accessor = accessor(old.map_or(json!({}), |old| value(old)), column, view);
+            let mut json = accessor(old.map_or(json!({}), |old| value(old)), column);
+            match &column.sparse {
+                None => json["bufferView"] = json!(self.view(column, buffer)),
+                Some(places) => {
+                    let bytes: Vec<u8> = places.iter().flat_map(|place| place.to_le_bytes()).collect();
+                    let [places_view, values] =
+                        [&bytes, &column.bytes].map(|bytes| self.plain_view(bytes, buffer));
+                    json["sparse"] = json!({
+                        "count": places.len(),
+                        "indices": { "bufferView": places_view, "componentType": 5125 },
+                        "values": { "bufferView": values },
+                    });
+                }
+            }
             let place = column.old.filter(|old| free.remove(old));
-            index.push(put(&mut self.accessors, place, accessor));
+            index.push(put(&mut self.accessors, place, json));
         }
         // What nothing uses.
         drop_last(&mut self.accessors, &mut free);
@@ -287,6 +288,28 @@ impl Packing<'_> {
             self.views[view] = raw(&json!({ "buffer": 0, "byteLength": 1 }));
         }
         index
+    }
+}
+
+impl Packing<'_> {
+    /// Appends the elements of a column, and adds their view; returns its index.
+    fn view(&mut self, column: &Column, buffer: &mut Vec<u8>) -> usize {
+        let view = self.plain_view(&column.bytes, buffer);
+        let mut json = value(&self.views[view]);
+        json["target"] = json!(if column.is_index { INDICES } else { VERTICES });
+        if !column.is_index {
+            json["byteStride"] = json!(column.stride);
+        }
+        self.views[view] = raw(&json);
+        view
+    }
+
+    /// Appends bytes, and adds their view; returns its index.
+    fn plain_view(&mut self, bytes: &[u8], buffer: &mut Vec<u8>) -> usize {
+        buffer.resize(buffer.len().next_multiple_of(4), 0);
+        let view = json!({ "buffer": 0, "byteOffset": buffer.len(), "byteLength": bytes.len() });
+        buffer.extend_from_slice(bytes);
+        put(&mut self.views, self.free_views.pop_first(), view)
     }
 }
 
@@ -306,8 +329,8 @@ fn put(elements: &mut Elements, place: Option<usize>, json: Value) -> usize {
     place.unwrap_or(elements.len() - 1)
 }
 
-/// Changes an accessor to the values of a column; its name and extras stay.
-fn accessor(mut json: Value, column: &Column, view: usize) -> Value {
+/// Changes an accessor to the type and range of a column; its name and extras stay.
+fn accessor(mut json: Value, column: &Column) -> Value {
     let component = match column.shape.component {
         ComponentType::I8 => 5120,
         ComponentType::U8 => 5121,
@@ -323,8 +346,7 @@ fn accessor(mut json: Value, column: &Column, view: usize) -> Value {
         _ => "VEC4",
     };
     let had_range = json.get("min").is_some();
-    forget(&mut json, &["sparse", "byteOffset", "min", "max", "normalized"]);
-    json["bufferView"] = json!(view);
+    forget(&mut json, &["bufferView", "sparse", "byteOffset", "min", "max", "normalized"]);
     json["componentType"] = json!(component);
     json["count"] = json!(column.count);
     json["type"] = json!(kind);
