@@ -76,7 +76,7 @@ fn meshes_of_a_document_share_their_triangles_by_error() {
     let number = |mesh: &Value, key: &str| mesh[key].as_f64().unwrap();
     assert_eq!(meshes.len(), 2);
     let total: f64 = meshes.iter().map(|m| number(m, "triangles")).sum();
-    assert!(total <= 1000.0 && total >= 990.0, "{total}");
+    assert!((990.0..=1000.0).contains(&total), "{total}");
     // The same tube ten times as large needs more triangles for the same error.
     assert_eq!((number(&meshes[0], "scale"), number(&meshes[1], "scale")), (10.0, 1.0));
     assert!(number(&meshes[0], "triangles") > 2.0 * number(&meshes[1], "triangles"), "{meshes:?}");

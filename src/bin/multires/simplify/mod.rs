@@ -9,10 +9,12 @@
 //! | file | idea |
 //! |---|---|
 //! | `level.rs` | a level of a mesh, and what is known of it |
+//! | `asked.rs`, `told.rs` | what is asked for of all meshes of a document, and what is said about it |
 //! | `common_error.rs` | a number of triangles shared by meshes so that all have the same error |
 //! | `report.rs` | a page about what was done |
 //! | `posed.rs` | errors in poses of skins and morph targets |
 
+mod asked;
 mod batch;
 mod common_error;
 mod document;
@@ -20,6 +22,7 @@ mod level;
 mod mesh_file;
 mod posed;
 mod report;
+mod told;
 
 use std::path::{Path, PathBuf};
 

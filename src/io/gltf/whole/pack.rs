@@ -177,8 +177,8 @@ impl Packing<'_> {
         let of_vertices: BTreeSet<usize> =
             vertices.iter().flat_map(|&a| ranges(self.store, a)).map(|(view, _)| view).collect();
         let strided = self.read_in_strides(free);
-        for view in 0..self.views.len() {
-            let range = match (self.free_views.contains(&view), rest[view]) {
+        for (view, &left) in rest.iter().enumerate() {
+            let range = match (self.free_views.contains(&view), left) {
                 (false, _) => self.range(view)?,
                 (true, Some(range)) => range,
                 (true, None) => continue,
