@@ -7,7 +7,7 @@
 //! | `accessor.rs` | values out of buffers |
 //! | `semantics.rs` | attributes' names |
 //! | `scene.rs` | nodes and their world transforms |
-//! | `primitives.rs`, `normals.rs` | primitives to vertices and triangles; normals that are missing |
+//! | `plan.rs`, `primitives.rs`, `normals.rs` | what meshes consist of; primitives to vertices and triangles; normals that are missing |
 //! | `read.rs` | a scene to a mesh |
 //! | `write.rs` | a mesh to a file |
 //! | `whole/` | [`GltfDocument`]: a file of which only the meshes change |
@@ -28,6 +28,7 @@ mod container;
 mod document;
 mod extensions;
 mod normals;
+mod plan;
 mod primitives;
 mod read;
 mod scene;

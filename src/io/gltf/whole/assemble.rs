@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use crate::io::error::WriteError;
 use crate::io::gltf::extensions::{self, COMPRESSED};
-use crate::io::gltf::primitives::is_surface;
+use crate::io::gltf::plan::is_surface;
 
 use super::encode::{Column, Encoded, EncodedPrimitive};
 use super::gltf_document::GltfDocument;

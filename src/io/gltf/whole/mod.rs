@@ -10,7 +10,7 @@
 //! | `gltf_document.rs` | [`GltfDocument`] |
 //! | `sections.rs` | the JSON text by sections: unchanged ones byte for byte |
 //! | `encode.rs` | a mesh to columns, in the file's types |
-//! | `pack.rs` | columns to accessors, views and a buffer; no index changes |
+//! | `pack.rs`, `ranges.rs` | columns to accessors, views and a buffer; no index changes |
 //! | `assemble.rs` | the document to be written |
 //! | `levels.rs` | nodes of levels of detail |
 //! | `rig.rs`, `poses.rs` | skins and animations; [`GltfPose`], where they bend a mesh most |
@@ -22,6 +22,7 @@ mod gltf_document;
 mod levels;
 mod pack;
 mod poses;
+mod ranges;
 mod rig;
 mod save;
 mod sections;
