@@ -217,12 +217,13 @@ impl Refinements for VertexHierarchy {
 
     #[inline]
     fn bounds(&self, split: u32) -> Bounds {
-        self.bounds[split as usize]
+        // A split that is not there changes nothing.
+        self.bounds.get(split as usize).copied().unwrap_or(bytemuck::Zeroable::zeroed())
     }
 
     #[inline]
     fn error(&self, split: u32) -> f32 {
-        self.bounds[split as usize].error
+        self.bounds.get(split as usize).map_or(0.0, |bounds| bounds.error)
     }
 
     #[inline]

@@ -269,6 +269,8 @@ impl Limits {
     pub fn reached(&self, triangles: usize, vertices: usize) -> bool {
         triangles <= self.triangles
             || vertices <= self.vertices
-            || self.bytes.is_some_and(|(bytes, per_vertex)| triangles * 12 + vertices * per_vertex <= bytes)
+            || self.bytes.is_some_and(|(bytes, per_vertex)| {
+                vertices.saturating_mul(per_vertex).saturating_add(12 * triangles) <= bytes
+            })
     }
 }

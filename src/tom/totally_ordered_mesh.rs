@@ -87,13 +87,13 @@ impl TotallyOrderedMesh {
     /// Returns the bytes of this structure's arrays plus `vertex_bytes` (position and attributes) for every vertex: the
     /// memory of an object at all levels of detail.
     pub fn memory(&self, vertex_bytes: usize) -> usize {
-        size_of_val(&self.substitute[..])
+        let arrays = size_of_val(&self.substitute[..])
             + size_of_val(&self.joined[..])
             + size_of_val(&self.triangles[..])
             + size_of_val(&self.error_marks[..])
             + size_of_val(&self.material_of[..])
-            + size_of_val(&self.material_ids[..])
-            + vertex_bytes * self.vertex_count()
+            + size_of_val(&self.material_ids[..]);
+        vertex_bytes.saturating_mul(self.vertex_count()).saturating_add(arrays)
     }
 
     /// Returns the substitute of `vertex` among the first `active` vertices. `active` is at least the base.

@@ -325,8 +325,12 @@ impl Refinements for WaveletMesh {
 
     #[inline]
     fn bounds(&self, wavelet: u32) -> DeviationBounds {
-        let centre = self.vertices.positions()[(self.subdivision.base_vertices + wavelet) as usize];
-        self.bounds[wavelet as usize].unpack(centre, self.options.shape)
+        // Nothing is in the way of a wavelet that is not there.
+        let bounds = self.bounds.get(wavelet as usize).copied();
+        let bounds = bounds.unwrap_or(bytemuck::Zeroable::zeroed());
+        let vertex = self.subdivision.base_vertices as usize + wavelet as usize;
+        let centre = self.vertices.positions().get(vertex).copied().unwrap_or_default();
+        bounds.unpack(centre, self.options.shape)
     }
 
     #[inline]

@@ -37,8 +37,11 @@ fn levels_are_tied_to_every_node() {
                     mesh.is_some_and(|m| a.json["meshes"][m as usize]["primitives"][0]["mode"] != 0)
                 })
                 .collect();
-            assert_eq!(new.len(), old.len() + 2 * shown.len(), "{}", sample.name);
-            for n in shown {
+            // A node that an animation moves holds its levels as children: see below.
+            let is_moved = sample.name.starts_with("interleaved");
+            let nodes = old.len() + 2 * shown.len() + usize::from(is_moved);
+            assert_eq!(new.len(), nodes, "{}", sample.name);
+            for n in shown.into_iter().filter(|_| !is_moved) {
                 assert_eq!(old[n]["mesh"], new[n]["mesh"]);
                 if how == GltfLevels::MsftLod {
                     let ids = new[n]["extensions"]["MSFT_lod"]["ids"].as_array().unwrap();
@@ -72,4 +75,39 @@ fn levels_are_tied_to_every_node() {
     let errors = validator::errors("levels_are_tied_to_every_node", &files);
     assert!(errors.is_empty(), "{} errors\n{}", errors.len(), errors[..errors.len().min(20)].join("\n"));
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// The node that shows a mesh at a finer level than its copies, beneath another that an animation moves.
+#[test]
+fn levels_move_with_their_node() {
+    let bytes = gltf_samples::all().into_iter().find(|s| s.name.starts_with("interleaved")).unwrap().glb();
+    for how in [GltfLevels::MsftLod, GltfLevels::Names] {
+        let file = File::of_glb(&with_levels(&bytes, how).to_glb().unwrap());
+        let nodes = file.json["nodes"].as_array().unwrap();
+        // The animation still moves node 0, which holds the levels.
+        assert_eq!(file.json["animations"][0]["channels"][0]["target"]["node"], 0);
+        assert_eq!(nodes[0].get("mesh"), None);
+        let holder = nodes[0]["children"][0].as_u64().unwrap() as usize;
+        assert_eq!(nodes[holder]["mesh"], 0);
+        let levels = if how == GltfLevels::MsftLod {
+            nodes[holder]["extensions"]["MSFT_lod"]["ids"].as_array().unwrap().len()
+        } else {
+            nodes[0]["children"].as_array().unwrap().len() - 1
+        };
+        assert_eq!(levels, 2);
+    }
+}
+
+#[test]
+fn morph_weights_and_instances_reach_all_levels() {
+    let file = File::of_glb(
+        &with_levels(&gltf_samples::morphed(false).glb(), GltfLevels::MsftLod).to_glb().unwrap(),
+    );
+    let channels = file.json["animations"][0]["channels"].as_array().unwrap();
+    let targets: Vec<u64> = channels.iter().map(|c| c["target"]["node"].as_u64().unwrap()).collect();
+    assert_eq!(targets, [0, 1, 2]);
+    let instances = gltf_samples::all().into_iter().find(|s| s.name == "instances").unwrap();
+    let file = File::of_glb(&with_levels(&instances.glb(), GltfLevels::MsftLod).to_glb().unwrap());
+    let of = |n: usize| file.json["nodes"][n]["extensions"]["EXT_mesh_gpu_instancing"].clone();
+    assert!(of(0).is_object() && of(0) == of(1) && of(1) == of(2));
 }

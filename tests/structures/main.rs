@@ -11,6 +11,7 @@ mod support;
 mod baked_models;
 mod gmesh;
 mod one_face;
+mod out_of_range;
 mod progressive;
 mod tom;
 mod tom_mesh;

@@ -152,7 +152,7 @@ impl Subdivision {
 
     /// Wavelets of a level, 1 to [`depth`](Self::depth), by number; empty for any other level.
     pub fn wavelets_of(&self, level: usize) -> std::ops::Range<u32> {
-        match level.checked_sub(1).and_then(|l| self.levels.get(l..l + 2)) {
+        match level.checked_sub(1).and_then(|l| self.levels.get(l..)?.get(..2)) {
             Some(&[start, end]) => start..end,
             _ => 0..0,
         }
@@ -160,7 +160,7 @@ impl Subdivision {
 
     /// Faces of a level, 0 to [`depth`](Self::depth), by number; empty for any other level.
     pub fn faces_of(&self, level: usize) -> std::ops::Range<u32> {
-        match self.face_levels.get(level..level + 2) {
+        match self.face_levels.get(level..).and_then(|rest| rest.get(..2)) {
             Some(&[start, end]) => start..end,
             _ => 0..0,
         }
@@ -217,8 +217,11 @@ impl Subdivision {
         Some((parent, rank, at % 4))
     }
 
-    /// Returns the base face containing a face. O(level).
+    /// Returns the base face containing a face; `u32::MAX` out of range. O(level).
     pub fn base_face_of(&self, mut face: u32) -> u32 {
+        if face as usize >= self.face_count() {
+            return NONE;
+        }
         while let Some((parent, ..)) = self.parent(face) {
             face = parent;
         }
@@ -357,10 +360,11 @@ impl Subdivision {
     /// Iterates over all faces along a wavelet's edge, including coarser unsplit faces.
     #[inline]
     pub(crate) fn faces_along(&self, wavelet: u32) -> impl Iterator<Item = Side> + '_ {
-        let [a, b] = self.along[wavelet as usize];
+        // None out of range.
+        let [a, b] = self.along.get(wavelet as usize).copied().unwrap_or([Side::NONE; 2]);
         let more = if self.more.is_empty() { &[][..] } else { self.more_along(wavelet) };
-        let two = if b == Side::NONE { 1 } else { 2 };
-        [a, b].into_iter().take(two).chain(more.iter().map(|more| more.1))
+        let count = usize::from(a != Side::NONE) + usize::from(b != Side::NONE);
+        [a, b].into_iter().take(count).chain(more.iter().map(|more| more.1))
     }
 
     #[cold]
@@ -415,9 +419,11 @@ impl Subdivision {
     /// Iterates over the parents of a wavelet: up to two.
     #[inline]
     pub(crate) fn parents_of(&self, wavelet: u32) -> impl Iterator<Item = u32> + use<> {
-        let along = self.along[wavelet as usize][0];
         let (mut first, mut second) = (NONE, NONE);
-        if let Some((_, rank, child)) = self.parent(along.face()) {
+        let along = self.along.get(wavelet as usize).map(|along| along[0]);
+        if let Some((along, (_, rank, child))) =
+            along.and_then(|along| Some((along, self.parent(along.face())?)))
+        {
             let side = |k: usize| self.sides[rank][k % 3] & !SEAM;
             match (child, along.side()) {
                 (3, k) => (first, second) = (side(k), side(k + 1)),
@@ -486,9 +492,10 @@ impl Subdivision {
         if along.against() { [b, a] } else { [a, b] }
     }
 
-    /// Returns a wavelet's own vertex; on a seam there are [others](Self::seam_vertices_of) too.
+    /// Returns a wavelet's own vertex; on a seam there are [others](Self::seam_vertices_of) too. Out of range, a number that is no
+    /// vertex of a wavelet.
     pub fn vertex_of(&self, wavelet: u32) -> u32 {
-        self.base_vertices + wavelet
+        if (wavelet as usize) < self.along.len() { self.base_vertices + wavelet } else { NONE }
     }
 
     /// Returns the wavelet of a vertex; `None` for base vertices and out of range.
