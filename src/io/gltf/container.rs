@@ -56,6 +56,8 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> 
 }
 
 /// Returns the bytes of all buffers: the binary chunk, data URIs, and files beside the document. Never opens images.
+///
+/// A buffer without bytes is empty if its views have a compressed form: without a URI, or marked as a fallback and not there.
 pub(super) fn buffers<'a>(
     document: &Document,
     chunk: Option<&'a [u8]>,
@@ -63,18 +65,31 @@ pub(super) fn buffers<'a>(
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let mut all = Vec::with_capacity(document.buffers.len());
     let mut files = BTreeSet::new();
+    let compressed = document.buffer_views.iter().filter(|view| view.compressed().is_some());
+    let compressed: BTreeSet<usize> = compressed.map(|view| view.buffer.value()).collect();
     for (i, buffer) in document.buffers.iter().enumerate() {
         let bytes = match &buffer.uri {
-            None if i == 0 => {
-                let chunk = chunk
-                    .ok_or_else(|| ReadError::invalid("buffer 0 has no uri, and there is no binary chunk"))?;
-                Cow::Borrowed(chunk)
-            }
-            None => return Err(ReadError::invalid(format!("buffer {i} has no uri"))),
+            None => match chunk.filter(|_| i == 0) {
+                Some(chunk) => Cow::Borrowed(chunk),
+                None if buffer.is_fallback() || compressed.contains(&i) => {
+                    all.push(Cow::Borrowed(&[][..]));
+                    continue;
+                }
+                None if i == 0 => {
+                    return Err(ReadError::invalid("buffer 0 has no uri, and there is no binary chunk"));
+                }
+                None => return Err(ReadError::invalid(format!("buffer {i} has no uri"))),
+            },
             Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
                 Some(data) => decode_data(data)
                     .ok_or_else(|| ReadError::invalid(format!("buffer {i} has a damaged data URI")))?,
-                None => read_file(i, uri, size(buffer.byte_length), directory, &mut files)?,
+                None => match read_file(i, uri, size(buffer.byte_length), directory, &mut files) {
+                    Err(_) if buffer.is_fallback() => {
+                        all.push(Cow::Borrowed(&[][..]));
+                        continue;
+                    }
+                    read => read?,
+                },
             }),
         };
         if bytes.len() < size(buffer.byte_length) {

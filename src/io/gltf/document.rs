@@ -1,17 +1,19 @@
 //! The geometric part of a document.
 //!
-//! Meshes, accessors, views and buffers are structures of `gltf-json`. Its indices are checked at every use. (It keeps
-//! the low 32 bits of an index: an index beyond 2^32 names another element.) Scenes and nodes are our own structures:
+//! Meshes and accessors are structures of `gltf-json`. Its indices are checked at every use. (It keeps the low 32 bits of
+//! an index: an index beyond 2^32 names another element.) Scenes, nodes, views and buffers are our own structures:
 //! `gltf-json` stores transforms in single precision, so a mesh on a map would lose its place before the origin is
-//! moved, and rejects scenes without nodes. All content other than geometry is skipped, so an unknown animation,
-//! texture or extension does not make a mesh unreadable.
+//! moved, rejects scenes without nodes, and drops extensions of views. All content other than geometry is skipped, so an
+//! unknown animation, texture or extension does not make a mesh unreadable.
 
 use std::collections::BTreeMap;
 
+use gltf_json::buffer::Stride;
 use gltf_json::validation::USize64;
-use gltf_json::{Accessor, Asset, Buffer, Mesh, buffer};
+use gltf_json::{Accessor, Asset, Index, Mesh, buffer};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
 
 use super::container::chunks;
 use super::extensions;
@@ -27,12 +29,70 @@ pub(super) struct Document {
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Named>,
     pub accessors: Vec<Accessor>,
-    pub buffer_views: Vec<buffer::View>,
+    pub buffer_views: Vec<View>,
     pub buffers: Vec<Buffer>,
     pub extensions_required: Vec<String>,
     /// Counted only.
     pub skins: Vec<IgnoredAny>,
     pub animations: Vec<IgnoredAny>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub uri: Option<String>,
+    #[serde(default)]
+    pub byte_length: USize64,
+    extensions: Option<Box<BufferExtensions>>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext: Option<Fallback>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr: Option<Fallback>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Fallback {
+    #[serde(default)]
+    fallback: bool,
+}
+
+impl Buffer {
+    /// Tests if all views of the buffer have a compressed form, by its own word.
+    pub fn is_fallback(&self) -> bool {
+        let extensions = self.extensions.iter();
+        extensions.flat_map(|e| [&e.ext, &e.khr]).flatten().any(|extension| extension.fallback)
+    }
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct View {
+    pub buffer: Index<buffer::Buffer>,
+    pub byte_length: USize64,
+    pub byte_offset: Option<USize64>,
+    pub byte_stride: Option<Stride>,
+    /// Boxed, since most views have no extensions.
+    extensions: Option<Box<ViewExtensions>>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext: Option<Box<RawValue>>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr: Option<Box<RawValue>>,
+}
+
+impl View {
+    /// Returns the compressed form, as text: it is parsed where it is needed.
+    pub fn compressed(&self) -> Option<&RawValue> {
+        let extensions = self.extensions.as_ref()?;
+        extensions.khr.as_deref().or(extensions.ext.as_deref())
+    }
 }
 
 /// A material: only its name is used.

@@ -7,7 +7,12 @@
 use crate::io::error::ReadError;
 
 /// Extensions with the vertices of meshes or instances in a form of their own, that this crate reads.
-const GEOMETRY: [&str; 2] = ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
+const GEOMETRY: [&str; 4] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+];
 
 /// Extensions that say nothing about the positions of vertices: materials, textures, lights, animations, variants,
 /// metadata. Beside these, all whose names start with [`HARMLESS_PREFIXES`].

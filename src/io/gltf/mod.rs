@@ -5,6 +5,7 @@
 //! | `document.rs`, `container.rs` | the geometric part of the document (`gltf-json`); GLB chunks and buffers |
 //! | `extensions.rs` | extensions: known, refused, kept |
 //! | `accessor.rs` | values out of buffers |
+//! | `meshopt/` | views that are stored compressed |
 //! | `semantics.rs` | attributes' names |
 //! | `scene.rs` | nodes and their world transforms |
 //! | `plan.rs`, `primitives.rs`, `normals.rs` | what meshes consist of; primitives to vertices and triangles; normals that are missing |
@@ -18,6 +19,10 @@
 //! document's. If only some primitives have a material, the other primitives get the number of materials as id. Primitives
 //! with equal accessors share vertices.
 //!
+//! Views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are decoded, if they have no uncompressed form.
+//! A file that requires `KHR_draco_mesh_compression` is refused, by name; without being required, it is read by its
+//! uncompressed form.
+//!
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
 //! `_NAME` an attribute called `NAME`. Primitives lacking an attribute that others have get white colours, normals from
 //! their triangles, and zeros; if some lack tangents, tangents are left out. Images are never opened; a written file refers
@@ -27,6 +32,7 @@ mod accessor;
 mod container;
 mod document;
 mod extensions;
+mod meshopt;
 mod normals;
 mod plan;
 mod primitives;

@@ -128,10 +128,12 @@ impl GltfDocument {
     /// Takes names of extensions that are used no more out of the lists.
     fn strip_unused(&self, sections: &mut Sections, views: &Elements) {
         let lists = ["extensionsUsed", "extensionsRequired"];
+        // Written anew: views given, and a buffer without extensions.
+        let anew = ["bufferViews", "buffers"];
         let is_used = |name: &str, sections: &Sections| {
             let word = format!("\"{name}\"");
             let mut texts =
-                sections.names().filter(|section| !lists.contains(section) && *section != "bufferViews");
+                sections.names().filter(|section| !lists.contains(section) && !anew.contains(section));
             texts.any(|section| sections.get(section).is_some_and(|text| text.get().contains(&word)))
                 || views.iter().any(|view| view.get().contains(&word))
         };

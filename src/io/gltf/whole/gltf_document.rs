@@ -13,7 +13,7 @@ use crate::io::gltf::document::Document;
 use crate::io::gltf::plan::{Plan, is_surface};
 use crate::io::gltf::primitives::{Builder, Ids};
 use crate::io::gltf::semantics::{attribute, attributes, displacement};
-use crate::io::gltf::{container, document, extensions};
+use crate::io::gltf::{container, document, extensions, meshopt};
 use crate::io::{Format, Imported, ReadOptions, SceneOrigin};
 use crate::mesh::Mesh;
 
@@ -29,7 +29,8 @@ use super::sections::{Elements, Sections, elements, indices, value};
 /// the offsets of positions, `displacement.NORMAL` and the like those of other attributes. Its material ids are indices of
 /// its primitives. Points and lines are no part of it, and stay. A mesh used by several nodes is one mesh.
 ///
-/// Files with an extension that is required and not known are refused, by its name.
+/// Files compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are read, and written uncompressed. Files with an
+/// extension that is required and not known are refused, by its name; `KHR_draco_mesh_compression` is such an extension.
 ///
 /// [`names::DISPLACEMENT`]: crate::mesh::names::DISPLACEMENT
 ///
@@ -106,9 +107,10 @@ impl GltfDocument {
 
     fn open(bytes: &[u8], directory: Option<&Path>) -> Result<Self, ReadError> {
         let (json, chunk) = document::open(bytes)?;
-        let document = document::parse(json)?;
+        let mut document = document::parse(json)?;
         let sections = Sections::parse(json)?;
-        let buffers = container::buffers(&document, chunk, directory)?;
+        let mut buffers = container::buffers(&document, chunk, directory)?;
+        meshopt::decode(&mut document, &mut buffers, bytes.len())?;
         let buffers: Vec<Cow<'static, [u8]>> =
             buffers.into_iter().map(|bytes| Cow::Owned(bytes.into_owned())).collect();
         let store = Store::new(&document, &buffers);
