@@ -6,12 +6,15 @@
 const TUBE: [usize; 2] = [24, 40];
 #[path = "../support/gltf_samples.rs"]
 mod gltf_samples;
+#[path = "../support/meshopt_encoder.rs"]
+mod meshopt_encoder;
 #[path = "../support/models.rs"]
 mod models;
 #[path = "../support/gltf_validator.rs"]
 mod validator;
 
 mod compare;
+mod compressed;
 mod hostile;
 mod levels;
 mod poses;

@@ -17,7 +17,7 @@ fn lost(sample: &Sample) -> &'static [&'static str] {
 }
 
 /// The surfaces of a document; `None` where a mesh has none.
-fn meshes(document: &GltfDocument) -> Vec<Option<Mesh>> {
+pub fn meshes(document: &GltfDocument) -> Vec<Option<Mesh>> {
     (0..document.mesh_count()).map(|i| document.mesh(i).unwrap().map(|imported| imported.mesh)).collect()
 }
 
@@ -33,7 +33,7 @@ pub fn halved(document: &GltfDocument) -> GltfDocument {
 }
 
 /// The bits of every triangle's corners: positions and attributes, triangle by triangle.
-fn corners(mesh: &Mesh) -> Vec<Vec<u32>> {
+pub fn corners(mesh: &Mesh) -> Vec<Vec<u32>> {
     let row = |v: u32| -> Vec<u32> {
         let v = v as usize;
         let mut words: Vec<u32> = mesh.positions()[v].iter().map(|x| x.to_bits()).collect();

@@ -152,22 +152,28 @@ impl Sample {
     /// Returns the file as .glb.
     pub fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
-        let mut buffer = self.buffer.clone();
-        buffer.resize(buffer.len().next_multiple_of(4), 0);
-        json["buffers"] = json!([{ "byteLength": buffer.len(), "name": "all" }]);
-        let mut text = json.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let mut file = b"glTF".to_vec();
-        for word in [2, 28 + text.len() + buffer.len(), text.len()] {
-            file.extend_from_slice(&(word as u32).to_le_bytes());
-        }
-        file.extend_from_slice(b"JSON");
-        file.extend_from_slice(&text);
-        file.extend_from_slice(&(buffer.len() as u32).to_le_bytes());
-        file.extend_from_slice(b"BIN\0");
-        file.extend_from_slice(&buffer);
-        file
+        let length = self.buffer.len().next_multiple_of(4);
+        json["buffers"] = json!([{ "byteLength": length, "name": "all" }]);
+        glb(&json, &self.buffer)
     }
+}
+
+/// Returns a document with its binary chunk as .glb.
+pub fn glb(json: &Value, buffer: &[u8]) -> Vec<u8> {
+    let mut buffer = buffer.to_vec();
+    buffer.resize(buffer.len().next_multiple_of(4), 0);
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut file = b"glTF".to_vec();
+    for word in [2, 28 + text.len() + buffer.len(), text.len()] {
+        file.extend_from_slice(&(word as u32).to_le_bytes());
+    }
+    file.extend_from_slice(b"JSON");
+    file.extend_from_slice(&text);
+    file.extend_from_slice(&(buffer.len() as u32).to_le_bytes());
+    file.extend_from_slice(b"BIN\0");
+    file.extend_from_slice(&buffer);
+    file
 }
 
 /// The smallest picture: a black dot.

@@ -19,7 +19,7 @@
 //! since no kept crate has them without C++.
 //!
 //! Memory: a stream is refused if its bytes are fewer than its count takes at least. All views together may take
-//! `64 * bytes + 16 MiB`, since views may share a stream.
+//! `64 * bytes + 4 MiB`, since views may share a stream.
 
 mod attributes;
 mod filters;
@@ -28,6 +28,7 @@ mod stream;
 mod triangles;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use gltf_json::Index;
 use gltf_json::validation::USize64;
@@ -40,7 +41,7 @@ use stream::Fault;
 
 /// Most decoded bytes: a multiple of the bytes read, and a constant.
 const MOST_PER_BYTE: usize = 64;
-const MOST: usize = 1 << 24;
+const MOST: usize = 1 << 22;
 
 /// The extension of a view, as written.
 #[derive(Debug, Clone, Deserialize)]
@@ -73,13 +74,14 @@ struct Stream<'a> {
     count: usize,
 }
 
-/// Decodes the views whose buffers have no bytes, into a buffer behind the others, and leads the views there. `bytes`: size
-/// of the file. O(n) in the decoded bytes.
+/// Decodes the views whose buffers have no bytes, into a buffer behind the others, and leads the views there. Returns the
+/// views with a filter: bounds of their accessors may be those of other values. `bytes`: size of the file. O(n) in the
+/// decoded bytes.
 pub(super) fn decode(
     document: &mut Document,
     buffers: &mut Vec<Cow<'_, [u8]>>,
     bytes: usize,
-) -> Result<(), ReadError> {
+) -> Result<BTreeSet<usize>, ReadError> {
     let given = buffers.iter().fold(bytes, |sum, buffer| sum.saturating_add(buffer.len()));
     let most = given.saturating_mul(MOST_PER_BYTE).saturating_add(MOST);
     let mut streams = Vec::new();
@@ -107,8 +109,10 @@ pub(super) fn decode(
         return Err(ReadError::too_large(format!("{total} decoded bytes in a file of {given}")));
     }
     if streams.is_empty() {
-        return Ok(());
+        return Ok(BTreeSet::new());
     }
+    let filtered = streams.iter().filter(|stream| stream.filter != Filter::None);
+    let filtered = filtered.map(|stream| stream.view).collect();
     let mut decoded = Vec::new();
     let reserved = decoded.try_reserve_exact(total);
     reserved.map_err(|_| ReadError::too_large(format!("{total} decoded bytes do not fit in memory")))?;
@@ -128,7 +132,7 @@ pub(super) fn decode(
         view.byte_offset = Some(USize64::from(start));
     }
     buffers.push(Cow::Owned(decoded));
-    Ok(())
+    Ok(filtered)
 }
 
 impl Compressed {

@@ -108,12 +108,13 @@ impl GltfDocument {
     fn open(bytes: &[u8], directory: Option<&Path>) -> Result<Self, ReadError> {
         let (json, chunk) = document::open(bytes)?;
         let mut document = document::parse(json)?;
-        let sections = Sections::parse(json)?;
+        let mut sections = Sections::parse(json)?;
         let mut buffers = container::buffers(&document, chunk, directory)?;
-        meshopt::decode(&mut document, &mut buffers, bytes.len())?;
+        let filtered = meshopt::decode(&mut document, &mut buffers, bytes.len())?;
         let buffers: Vec<Cow<'static, [u8]>> =
             buffers.into_iter().map(|bytes| Cow::Owned(bytes.into_owned())).collect();
         let store = Store::new(&document, &buffers);
+        sections.mend_bounds(&store, &filtered);
         let rig = Rig::new(&store, &sections)?;
         let meshes = sections.array("meshes");
         let name = |text| value(text).get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
