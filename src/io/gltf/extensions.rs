@@ -48,6 +48,9 @@ const OF_PRIMITIVES: [&str; 3] = ["KHR_materials_variants", "EXT_mesh_features",
 pub(super) const COMPRESSED: [&str; 3] =
     ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 
+/// What to do about a file that is compressed by Draco.
+const DRACO: &str = " (decompress it first, for example: gltf-transform copy IN.glb OUT.glb)";
+
 fn is_known(name: &str) -> bool {
     GEOMETRY.contains(&name)
         || HARMLESS.contains(&name)
@@ -56,10 +59,12 @@ fn is_known(name: &str) -> bool {
 
 /// Refuses the first required extension that is not known.
 pub(super) fn check_required(required: &[String]) -> Result<(), ReadError> {
-    match required.iter().find(|name| !is_known(name)) {
-        Some(name) => Err(ReadError::unsupported(format!("the file requires the glTF extension {name}"))),
-        None => Ok(()),
-    }
+    let Some(name) = required.iter().find(|name| !is_known(name)) else { return Ok(()) };
+    let way = match name.as_str() {
+        "KHR_draco_mesh_compression" => DRACO,
+        _ => "",
+    };
+    Err(ReadError::unsupported(format!("the file requires the glTF extension {name}{way}")))
 }
 
 /// Whether an extension of a primitive may stay when the primitive's vertices are replaced.
