@@ -15,6 +15,8 @@ mod validator;
 
 mod compare;
 mod compressed;
+#[cfg(feature = "draco")]
+mod draco;
 mod hostile;
 mod levels;
 mod poses;

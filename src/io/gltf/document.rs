@@ -88,6 +88,17 @@ struct ViewExtensions {
 }
 
 impl View {
+    #[cfg(feature = "draco")]
+    pub fn new(
+        buffer: Index<buffer::Buffer>,
+        start: usize,
+        length: usize,
+        byte_stride: Option<Stride>,
+    ) -> Self {
+        let (byte_offset, byte_length) = (Some(USize64::from(start)), USize64::from(length));
+        Self { buffer, byte_length, byte_offset, byte_stride, extensions: None }
+    }
+
     /// Returns the compressed form, as text: it is parsed where it is needed.
     pub fn compressed(&self) -> Option<&RawValue> {
         let extensions = self.extensions.as_ref()?;

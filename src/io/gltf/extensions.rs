@@ -53,6 +53,7 @@ const DRACO: &str = " (decompress it first, for example: gltf-transform copy IN.
 
 fn is_known(name: &str) -> bool {
     GEOMETRY.contains(&name)
+        || (cfg!(feature = "draco") && name == "KHR_draco_mesh_compression")
         || HARMLESS.contains(&name)
         || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
 }

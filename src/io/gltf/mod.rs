@@ -5,7 +5,7 @@
 //! | `document.rs`, `container.rs` | the geometric part of the document (`gltf-json`); GLB chunks and buffers |
 //! | `extensions.rs` | extensions: known, refused, kept |
 //! | `accessor.rs` | values out of buffers |
-//! | `meshopt/` | views that are stored compressed |
+//! | `decoded.rs`, `meshopt/`, `draco.rs` | compressed views and primitives, decoded on opening |
 //! | `semantics.rs` | attributes' names |
 //! | `scene.rs` | nodes and their world transforms |
 //! | `plan.rs`, `primitives.rs`, `normals.rs` | what meshes consist of; primitives to vertices and triangles; normals that are missing |
@@ -19,9 +19,9 @@
 //! document's. If only some primitives have a material, the other primitives get the number of materials as id. Primitives
 //! with equal accessors share vertices.
 //!
-//! Views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are decoded, if they have no uncompressed form.
-//! A file that requires `KHR_draco_mesh_compression` is refused, by name; without being required, it is read by its
-//! uncompressed form.
+//! Views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are decoded if they have no uncompressed form,
+//! and with the feature `draco` so are primitives compressed by `KHR_draco_mesh_compression`. Without the feature, a file that
+//! requires Draco is refused, by name.
 //!
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n`, `COLOR_n`, `JOINTS_n`, `WEIGHTS_n` become attributes of the customary names, and
 //! `_NAME` an attribute called `NAME`. Primitives lacking an attribute that others have get white colours, normals from
@@ -30,7 +30,10 @@
 
 mod accessor;
 mod container;
+mod decoded;
 mod document;
+#[cfg(feature = "draco")]
+mod draco;
 mod extensions;
 mod meshopt;
 mod normals;

@@ -8,7 +8,7 @@ use crate::mesh::names;
 
 use super::accessor::Store;
 use super::primitives::{Builder, Ids};
-use super::{container, document, meshopt, scene};
+use super::{container, decoded, document, scene};
 
 /// Reads a whole file; external buffers are read from `directory`. O(n) in file and result. The result is bounded by a
 /// multiple of the bytes read, for any number of instances of a mesh.
@@ -16,7 +16,7 @@ pub(in crate::io) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<Draf
     let (json, chunk) = document::open(bytes)?;
     let mut document = document::parse(json)?;
     let mut buffers = container::buffers(&document, chunk, directory)?;
-    meshopt::decode(&mut document, &mut buffers, bytes.len())?;
+    decoded::decode(json, &mut document, &mut buffers, bytes.len())?;
     let store = Store::new(&document, &buffers);
     let instances = scene::instances(&store, bytes.len())?;
     let shown = instances.iter().map(|instance| instance.mesh).collect();

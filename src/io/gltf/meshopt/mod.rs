@@ -34,14 +34,11 @@ use gltf_json::Index;
 use gltf_json::validation::USize64;
 use serde::Deserialize;
 
+use super::decoded::most;
 use super::document::{Document, size};
 use crate::io::error::ReadError;
 use filters::Filter;
 use stream::Fault;
-
-/// Most decoded bytes: a multiple of the bytes read, and a constant.
-const MOST_PER_BYTE: usize = 64;
-const MOST: usize = 1 << 22;
 
 /// The extension of a view, as written.
 #[derive(Debug, Clone, Deserialize)]
@@ -82,8 +79,7 @@ pub(super) fn decode(
     buffers: &mut Vec<Cow<'_, [u8]>>,
     bytes: usize,
 ) -> Result<BTreeSet<usize>, ReadError> {
-    let given = buffers.iter().fold(bytes, |sum, buffer| sum.saturating_add(buffer.len()));
-    let most = given.saturating_mul(MOST_PER_BYTE).saturating_add(MOST);
+    let most = most(buffers, bytes);
     let mut streams = Vec::new();
     let mut total = 0_usize;
     for (i, view) in document.buffer_views.iter().enumerate() {
@@ -106,7 +102,7 @@ pub(super) fn decode(
         streams.push(stream);
     }
     if total > most {
-        return Err(ReadError::too_large(format!("{total} decoded bytes in a file of {given}")));
+        return Err(ReadError::too_large(format!("{total} decoded bytes in a file of {bytes}")));
     }
     if streams.is_empty() {
         return Ok(BTreeSet::new());
@@ -150,12 +146,14 @@ impl Compressed {
         let filter = Filter::named(name).ok_or_else(|| unknown("the filter", name))?;
         let stride = self.byte_stride;
         let is_stride = match mode {
-            Mode::Attributes => (4..=256).contains(&stride) && stride % 4 == 0 && filter.takes(stride),
+            Mode::Attributes => {
+                (4..=256).contains(&stride) && stride.is_multiple_of(4) && filter.takes(stride)
+            }
             Mode::Triangles | Mode::Indices => stride == 2 || stride == 4,
         };
         let is_fit = match mode {
             Mode::Attributes => true,
-            Mode::Triangles => filter == Filter::None && self.count % 3 == 0,
+            Mode::Triangles => filter == Filter::None && self.count.is_multiple_of(3),
             Mode::Indices => filter == Filter::None,
         };
         if !is_stride || !is_fit {

@@ -79,7 +79,7 @@ impl GltfDocument {
 
     /// Finds out what uses accessors and views.
     fn uses(&self, meshes: &[Value]) -> Uses {
-        let mut uses = Uses::default();
+        let mut uses = Uses { replaced_views: self.streams.clone(), ..Uses::default() };
         for (m, mesh) in meshes.iter().enumerate() {
             let is_replaced = self.replaced.contains_key(&m);
             let typed: &[Primitive] = self.document.meshes.get(m).map_or(&[], |mesh| &mesh.primitives);

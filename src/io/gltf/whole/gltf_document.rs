@@ -13,7 +13,7 @@ use crate::io::gltf::document::Document;
 use crate::io::gltf::plan::{Plan, is_surface};
 use crate::io::gltf::primitives::{Builder, Ids};
 use crate::io::gltf::semantics::{attribute, attributes, displacement};
-use crate::io::gltf::{container, document, extensions, meshopt};
+use crate::io::gltf::{container, decoded, document, extensions};
 use crate::io::{Format, Imported, ReadOptions, SceneOrigin};
 use crate::mesh::Mesh;
 
@@ -29,8 +29,9 @@ use super::sections::{Elements, Sections, elements, indices, value};
 /// the offsets of positions, `displacement.NORMAL` and the like those of other attributes. Its material ids are indices of
 /// its primitives. Points and lines are no part of it, and stay. A mesh used by several nodes is one mesh.
 ///
-/// Files compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are read, and written uncompressed. Files with an
-/// extension that is required and not known are refused, by its name; `KHR_draco_mesh_compression` is such an extension.
+/// Files compressed by `EXT_meshopt_compression`, `KHR_meshopt_compression` or, with the feature `draco`,
+/// `KHR_draco_mesh_compression` are read, and written uncompressed. Files with an extension that is required and not known are
+/// refused, by its name.
 ///
 /// [`names::DISPLACEMENT`]: crate::mesh::names::DISPLACEMENT
 ///
@@ -62,6 +63,8 @@ pub struct GltfDocument {
     /// Bytes of the file.
     bytes: usize,
     pub(super) rig: Rig,
+    /// Views of streams that were decoded.
+    pub(super) streams: BTreeSet<usize>,
     pub(super) replaced: BTreeMap<usize, Encoded>,
     /// Meshes behind the document's own.
     pub(super) added: Vec<Added>,
@@ -110,11 +113,12 @@ impl GltfDocument {
         let mut document = document::parse(json)?;
         let mut sections = Sections::parse(json)?;
         let mut buffers = container::buffers(&document, chunk, directory)?;
-        let filtered = meshopt::decode(&mut document, &mut buffers, bytes.len())?;
+        let decoded = decoded::decode(json, &mut document, &mut buffers, bytes.len())?;
         let buffers: Vec<Cow<'static, [u8]>> =
             buffers.into_iter().map(|bytes| Cow::Owned(bytes.into_owned())).collect();
         let store = Store::new(&document, &buffers);
-        sections.mend_bounds(&store, &filtered);
+        sections.set_decoded(&document, &decoded);
+        sections.mend_bounds(&store, &decoded.filtered);
         let rig = Rig::new(&store, &sections)?;
         let meshes = sections.array("meshes");
         let name = |text| value(text).get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
@@ -127,6 +131,7 @@ impl GltfDocument {
             directory: directory.map(Path::to_owned),
             bytes: bytes.len(),
             rig,
+            streams: decoded.streams,
             replaced: BTreeMap::new(),
             added: Vec::new(),
             notes: Vec::new(),

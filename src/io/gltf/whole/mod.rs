@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `gltf_document.rs` | [`GltfDocument`] |
 //! | `sections.rs` | the JSON text by sections: unchanged ones byte for byte |
-//! | `bounds.rs` | bounds of values that were decoded |
+//! | `uncompressed.rs` | sections of a document that was decoded |
 //! | `encode.rs` | a mesh to columns, in the file's types |
 //! | `pack.rs`, `ranges.rs` | columns to accessors, views and a buffer; no index changes |
 //! | `assemble.rs` | the document to be written |
@@ -18,7 +18,6 @@
 //! | `save.rs` | .glb and .gltf files, pictures beside them |
 
 mod assemble;
-mod bounds;
 mod encode;
 mod gltf_document;
 mod levels;
@@ -28,6 +27,7 @@ mod ranges;
 mod rig;
 mod save;
 mod sections;
+mod uncompressed;
 
 pub use gltf_document::GltfDocument;
 pub use levels::GltfLevels;
