@@ -87,6 +87,7 @@
 //! | `parallel` | yes | use of all cores where work divides; the output bytes are equal without it |
 //! | `quality` | yes | the module `quality` |
 //! | `io` | | the module `io`; brings `serde` |
+//! | `draco` | | glTF files compressed by Draco; brings `io`, needs Rust 1.88 |
 //! | `stream` | | the module `stream` |
 //! | `serde` | | `Serialize` and `Deserialize` for meshes and structures, validated on the way in |
 //! | `cli` | | the program `multires`; brings `io` and `quality` |

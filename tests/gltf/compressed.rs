@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::compare::{File, same_but_for_surfaces};
 use crate::gltf_samples::{self, Sample, glb};
+use crate::hostile::{numbers, renumber};
 use crate::meshopt_encoder as encoder;
 use crate::whole::{corners, halved, meshes};
 use crate::{models, validator};
@@ -453,6 +454,34 @@ fn cases_with_compressed_views() {
     let [a, b] = ["optional.glb", "required.glb"].map(|name| io::read(folder.join(name)).unwrap());
     assert_eq!((a.triangles().len(), a.positions().len()), (320, 162));
     assert_eq!(a, b);
+}
+
+#[test]
+fn every_number_of_an_extension_may_be_wrong() {
+    let wrong = [
+        json!(0),
+        json!(1),
+        json!(3),
+        json!(4),
+        json!(65_536),
+        json!(1_u64 << 53),
+        json!(u64::MAX),
+        json!(-1),
+    ];
+    let mut made = compressed(&gltf_samples::all()[3], ALL[3]);
+    let whole = made.json.clone();
+    for place in 0..numbers(&whole) {
+        for number in &wrong {
+            made.json = whole.clone();
+            renumber(&mut made.json, &mut place.clone(), number);
+            let bytes = made.glb();
+            let _ = io::read_bytes(Format::Glb, &bytes);
+            let Ok(document) = GltfDocument::from_bytes(&bytes) else { continue };
+            if let Ok(written) = document.to_glb() {
+                GltfDocument::from_bytes(&written).expect("what is written is read");
+            }
+        }
+    }
 }
 
 /// Streams of every mode, with their strides, counts and filters.
