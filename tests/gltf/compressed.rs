@@ -359,7 +359,9 @@ fn streams_that_are_none_are_refused() {
         stream.insert(stream.len() - 30.min(stream.len() / 2), 0);
         stream
     };
-    let cases: &[(Vec<u8>, usize, usize, &str, &str, &str)] = &[
+    // Stream, stride, count, mode, filter, words of the error.
+    type Case<'a> = (Vec<u8>, usize, usize, &'a str, &'a str, &'a str);
+    let cases: &[Case] = &[
         (
             good.clone(),
             4,

@@ -39,12 +39,8 @@ pub(super) fn decode(
     buffers: &mut Vec<Cow<'_, [u8]>>,
     bytes: usize,
 ) -> Result<Decoded, ReadError> {
-    let mut decoded = Decoded { filtered: meshopt::decode(document, buffers, bytes)?, ..Decoded::default() };
+    let decoded = Decoded { filtered: meshopt::decode(document, buffers, bytes)?, ..Decoded::default() };
     #[cfg(feature = "draco")]
-    {
-        let own = document.buffer_views.len();
-        super::draco::decode(json, document, buffers, bytes, &mut decoded)?;
-        decoded.filtered.extend(own..document.buffer_views.len());
-    }
+    let decoded = super::draco::decode(json, document, buffers, bytes, decoded)?;
     Ok(decoded)
 }

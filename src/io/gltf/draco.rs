@@ -68,12 +68,13 @@ pub(super) fn decode(
     document: &mut Document,
     buffers: &mut Vec<Cow<'_, [u8]>>,
     bytes: usize,
-    decoded: &mut Decoded,
-) -> Result<(), ReadError> {
+    mut decoded: Decoded,
+) -> Result<Decoded, ReadError> {
     let name = b"KHR_draco_mesh_compression";
     if !json.windows(name.len()).any(|word| word == name) {
-        return Ok(());
+        return Ok(decoded);
     }
+    let own = document.buffer_views.len();
     let extended: Extended =
         serde_json::from_slice(json).map_err(|e| ReadError::invalid(format!("the glTF document: {e}")))?;
     let behind = u32::try_from(buffers.len()).unwrap_or(u32::MAX);
@@ -125,7 +126,8 @@ pub(super) fn decode(
     if !made.bytes.is_empty() {
         buffers.push(Cow::Owned(made.bytes));
     }
-    Ok(())
+    decoded.filtered.extend(own..document.buffer_views.len());
+    Ok(decoded)
 }
 
 /// Returns the bytes of a view.
