@@ -87,10 +87,10 @@
 //! | `parallel` | yes | use of all cores where work divides; the output bytes are equal without it |
 //! | `quality` | yes | the module `quality` |
 //! | `io` | | the module `io`; brings `serde` |
-//! | `draco` | | glTF files compressed by Draco; brings `io`, needs Rust 1.88 |
+//! | `draco` | | glTF files compressed by Draco; brings `io` |
 //! | `stream` | | the module `stream` |
 //! | `serde` | | `Serialize` and `Deserialize` for meshes and structures, validated on the way in |
-//! | `cli` | | the program `multires`; brings `io` and `quality` |
+//! | `cli` | | the program `multires`; brings `io`, `draco` and `quality` |
 //!
 //! # Guarantees
 //!
