@@ -44,10 +44,11 @@ impl<P: Fn(u32) -> [f32; 3], K: Fn(u32) -> bool> Vanishing<'_, P, K> {
         let mut heirs = vec![NONE; targets.len()];
         for number in 0..targets.len() as u32 {
             let target = targets[number as usize];
-            if let Some(part) = part(number) {
-                if part_of[target as usize] as usize != part && heirs[part] == NONE {
-                    heirs[part] = target;
-                }
+            if let Some(part) = part(number)
+                && part_of[target as usize] as usize != part
+                && heirs[part] == NONE
+            {
+                heirs[part] = target;
             }
         }
         let mut nearest = vec![(f32::INFINITY, NONE); targets.len()];

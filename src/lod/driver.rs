@@ -102,12 +102,12 @@ impl<B: Copy> Driver<B> {
         self.forgets |= options.triangles != self.options.triangles;
         let moves = options.geomorph.is_some();
         let counts_anew = options.triangulation != self.options.triangulation;
-        if options.is_immediate() || moves != self.options.geomorph.is_some() || counts_anew {
-            if let Some(mut limits) = self.limits.take() {
-                limits.settle(of, sink);
-                // A new budget has given no answers yet.
-                self.forgets = true;
-            }
+        if (options.is_immediate() || moves != self.options.geomorph.is_some() || counts_anew)
+            && let Some(mut limits) = self.limits.take()
+        {
+            limits.settle(of, sink);
+            // A new budget has given no answers yet.
+            self.forgets = true;
         }
         self.options = *options;
         if options.is_immediate() {

@@ -153,12 +153,11 @@ impl<'a> LevelStars<'a> {
                 best = self.nearest_around(vertex, inner, false, best);
             }
         }
-        if best.1 != NONE {
-            if let Some((weights, height)) = weights_below(&ends(best.1), point) {
-                if height < CLOSE {
-                    return placed(best.1, weights);
-                }
-            }
+        if best.1 != NONE
+            && let Some((weights, height)) = weights_below(&ends(best.1), point)
+            && height < CLOSE
+        {
+            return placed(best.1, weights);
         }
         let mut best = (f32::INFINITY, NONE);
         let mut seen = [NONE; 3 * (ROUNDS + 1)];

@@ -17,10 +17,11 @@ pub(super) fn keep_sides(
     after: &mut [Attribute],
 ) {
     for (before, after) in before.iter().zip(after) {
-        if names::is_set_of(before.name(), names::UV) && before.width() == 2 {
-            if let (Some(before), Some(after)) = (before.as_floats(), after.floats_mut()) {
-                keep(positions, triangles, before, after);
-            }
+        if names::is_set_of(before.name(), names::UV)
+            && before.width() == 2
+            && let (Some(before), Some(after)) = (before.as_floats(), after.floats_mut())
+        {
+            keep(positions, triangles, before, after);
         }
     }
 }

@@ -49,11 +49,11 @@ impl Normals {
     /// # Errors
     /// A crease angle outside 0 to 180 degrees.
     pub fn resolve(self, mesh: &Mesh) -> Result<NormalsDone, OptionError> {
-        if let Self::Recompute { crease_angle: Some(angle) } = self {
-            if !(0.0..=180.0).contains(&angle) {
-                let (option, value) = ("crease angle", f64::from(angle));
-                return Err(OptionError::OutOfRange { option, value, expected: "0 to 180" });
-            }
+        if let Self::Recompute { crease_angle: Some(angle) } = self
+            && !(0.0..=180.0).contains(&angle)
+        {
+            let (option, value) = ("crease angle", f64::from(angle));
+            return Err(OptionError::OutOfRange { option, value, expected: "0 to 180" });
         }
         let has_normals =
             mesh.attribute(names::NORMAL).is_some_and(|n| n.width() == 3 && n.as_floats().is_some());

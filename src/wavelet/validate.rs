@@ -58,10 +58,10 @@ impl Seeds<'_> {
             if of.depth() > 0 && splits.div_ceil(2) > room.saturating_sub(of.wavelet_count()) {
                 return broken("more faces are split than there are vertices for, of level", of.depth());
             }
-            if self.beside.is_empty() {
-                if let Some(face) = builder.first_dragged(&flags) {
-                    return broken("only the face across a seam is split, not face", face as usize);
-                }
+            if self.beside.is_empty()
+                && let Some(face) = builder.first_dragged(&flags)
+            {
+                return broken("only the face across a seam is split, not face", face as usize);
             }
             builder.split_only(&flags)?;
         }

@@ -1,5 +1,7 @@
 //! From glTF to glTF everything stays but the triangles; many files; several levels; a page about it.
 
+#![cfg(feature = "cli")]
+
 use std::path::Path;
 
 use multires::io::{self, GltfDocument};

@@ -304,10 +304,11 @@ impl<M: ErrorMetric> Engine<'_, M> {
                 return Attempt::Dear(cost);
             }
         }
-        if let Some(true_cost) = self.verify(point, best.other, pair, x) {
-            if true_cost > VERIFIED_SLACK * best.cost && !self.queue.is_due(true_cost) {
-                return Attempt::Later(true_cost);
-            }
+        if let Some(true_cost) = self.verify(point, best.other, pair, x)
+            && true_cost > VERIFIED_SLACK * best.cost
+            && !self.queue.is_due(true_cost)
+        {
+            return Attempt::Later(true_cost);
         }
         let guard = self.guard_limit();
         if self.limits.error.is_finite() || self.may_exceed(guard, pair, x) {

@@ -79,11 +79,13 @@ impl<M: ErrorMetric> Engine<'_, M> {
         let first = self.state.len() as u32;
         let mut any = false;
         for part in 0..parts.count() as u32 {
-            if parts.root(part) == part && parts.live(part) > 0 && parts.may_vanish(part) {
-                if let Some(cost) = self.loss_cost(&parts, part, parts.least_loss(part)) {
-                    self.queue.insert(first + part, cost);
-                    any = true;
-                }
+            if parts.root(part) == part
+                && parts.live(part) > 0
+                && parts.may_vanish(part)
+                && let Some(cost) = self.loss_cost(&parts, part, parts.least_loss(part))
+            {
+                self.queue.insert(first + part, cost);
+                any = true;
             }
         }
         self.parts = Some(parts);

@@ -162,10 +162,10 @@ impl Search<'_> {
         if self.nearest[0] != NONE {
             self.look_around(self.nearest[0]);
         }
-        if self.best > self.enough {
-            if let Some(point) = on(facet.triangle, self.at) {
-                self.look_around(point);
-            }
+        if self.best > self.enough
+            && let Some(point) = on(facet.triangle, self.at)
+        {
+            self.look_around(point);
         }
         let [a, b] = facet.others;
         for point in [pair.kept, if place[0] < place[1] { b } else { a }, pair.lost, a, b] {

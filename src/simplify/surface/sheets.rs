@@ -277,12 +277,12 @@ fn turned(triangles: &[[u32; 3]], free: &[bool], points: usize) -> Vec<bool> {
             waiting.push(seed);
             while let Some(triangle) = waiting.pop() {
                 for &edge in &edge_of[triangle as usize] {
-                    if let Some((other, clashes)) = across(triangle, edge) {
-                        if !known[other as usize] {
-                            known[other as usize] = true;
-                            turned[other as usize] = turned[triangle as usize] ^ clashes;
-                            waiting.push(other);
-                        }
+                    if let Some((other, clashes)) = across(triangle, edge)
+                        && !known[other as usize]
+                    {
+                        known[other as usize] = true;
+                        turned[other as usize] = turned[triangle as usize] ^ clashes;
+                        waiting.push(other);
                     }
                 }
             }

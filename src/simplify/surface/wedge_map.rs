@@ -155,10 +155,10 @@ impl WedgeMap {
     /// Chooses targets for the wedges without any.
     fn choose(&mut self, surface: &WorkingSurface, pair: Pair) {
         for from in wedges_of(surface, pair.lost) {
-            if self.get(from).is_none() {
-                if let Some(to) = by_chart(surface, pair, from) {
-                    self.push(from, to);
-                }
+            if self.get(from).is_none()
+                && let Some(to) = by_chart(surface, pair, from)
+            {
+                self.push(from, to);
             }
         }
         self.linked = self.len;
