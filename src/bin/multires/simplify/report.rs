@@ -89,8 +89,15 @@ fn section(answer: &Value) -> String {
     let mut html = String::new();
     let input = answer["input"]["path"].as_str().unwrap_or_default();
     let _ = write!(html, "<section><h2>{}</h2><div class=\"row\">", escaped(input));
-    let before = files::read_mesh(Path::new(input)).ok().map(|imported| imported.mesh);
-    let camera = before.as_ref().map(|mesh| Camera::framing(mesh, DIRECTION));
+    let path_of = |level: &&Value| level_value(level, "path").as_str().unwrap_or_default().to_owned();
+    let paths: Vec<String> = levels(answer).iter().map(path_of).collect();
+    let read = |path: &str| files::read_mesh(Path::new(path)).ok().map(|imported| imported.mesh);
+    // Levels within one file have no picture each: the file shows the finest. What was written over has none either.
+    let in_one = paths.len() > 1 && paths.iter().all(|path| *path == paths[0]);
+    let after: Vec<Option<Mesh>> = paths.iter().map(|path| read(path).filter(|_| !in_one)).collect();
+    let before = read(input).filter(|_| paths.iter().all(|path| path != input));
+    let framed = before.as_ref().or(after.iter().flatten().next());
+    let camera = framed.map(|mesh| Camera::framing(mesh, DIRECTION));
     let mut shown = |mesh: Option<&Mesh>, caption: &str| {
         let picture = mesh.zip(camera.as_ref()).and_then(|(mesh, camera)| picture(mesh, camera));
         if let Some(picture) = picture {
@@ -104,14 +111,8 @@ fn section(answer: &Value) -> String {
     };
     let triangles = |value: &Value| format!("{} triangles", thousands(value.as_u64().unwrap_or(0)));
     shown(before.as_ref(), &format!("before: {}", triangles(&answer["input"]["triangles"])));
-    let mut last = None;
-    for level in levels(answer) {
-        let path = level_value(level, "path").as_str().unwrap_or_default();
-        // Levels within one file look like the file.
-        let mesh = (last != Some(path)).then(|| files::read_mesh(Path::new(path)).ok()).flatten();
-        last = Some(path);
-        let caption = format!("after: {}", triangles(level_value(level, "triangles")));
-        shown(mesh.as_ref().map(|imported| &imported.mesh), &caption);
+    for (level, mesh) in levels(answer).iter().zip(&after) {
+        shown(mesh.as_ref(), &format!("after: {}", triangles(level_value(level, "triangles"))));
     }
     html.push_str(
         "</div><div class=\"wide\"><table><tr><th></th><th class=n>triangles</th><th class=n>vertices</th>",
