@@ -250,7 +250,9 @@ fn damaged_files_are_refused_with_their_place() {
         ),
         (Format::Glb, b"glTF\x02\0\0\0\0\0\0\0", "truncated: the GLB file ends at byte 12"),
     ];
-    for (format, bytes, words) in cases {
+    // With the feature, a document that requires Draco and has no meshes is empty.
+    let is_read = |words: &str| words == "draco" && cfg!(feature = "draco");
+    for (format, bytes, words) in cases.iter().filter(|case| !is_read(case.2)) {
         let error = io::read_bytes(*format, bytes).expect_err(words).to_string();
         assert!(error.contains(words), "{format}: {error:?} where {words:?} was expected");
         assert!(!error.contains('\n'), "{error:?} is more than a line");
