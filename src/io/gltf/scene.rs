@@ -29,9 +29,9 @@ pub(super) fn instances(store: &Store, bytes: usize) -> Result<Vec<Instance>, Re
     // An instance takes 144 bytes: instances from accessors without bytes of their own must not multiply the file's size.
     let mut most = (1 << 16) + (bytes + store.bytes()) / 4;
     let mut found = Vec::new();
-    for (n, world) in worlds(document, roots(document)?)? {
+    walk(document, roots(document)?, |n, world| {
         let node = &document.nodes[n];
-        let Some(mesh) = node.mesh else { continue };
+        let Some(mesh) = node.mesh else { return Ok(()) };
         if mesh >= meshes {
             return Err(ReadError::invalid(format!("node {n} names mesh {mesh}, but there are {meshes}")));
         }
@@ -39,21 +39,25 @@ pub(super) fn instances(store: &Store, bytes: usize) -> Result<Vec<Instance>, Re
         let instancing = node.extensions.as_ref().and_then(|e| e.instancing.as_ref());
         let Some(instancing) = instancing else {
             found.push(Instance { mesh, world });
-            continue;
+            return Ok(());
         };
         let locals = instanced(store, n, instancing, most)?;
         most -= locals.len().min(most);
         found.extend(locals.into_iter().map(|local| Instance { mesh, world: world * local }));
-    }
+        Ok(())
+    })?;
     Ok(found)
 }
 
-/// Returns the nodes below `roots` with their world transforms, depth first.
-pub(super) fn worlds(document: &Document, roots: Vec<usize>) -> Result<Vec<(usize, DMat4)>, ReadError> {
+/// Calls `visit` with the nodes below `roots` and their world transforms, depth first.
+fn walk(
+    document: &Document,
+    roots: Vec<usize>,
+    mut visit: impl FnMut(usize, DMat4) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
     let nodes = document.nodes.len();
     let mut stack: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
     let mut visited = vec![false; nodes];
-    let mut found = Vec::new();
     while let Some((n, parent)) = stack.pop() {
         let node = document.nodes.get(n);
         let node =
@@ -62,14 +66,14 @@ pub(super) fn worlds(document: &Document, roots: Vec<usize>) -> Result<Vec<(usiz
             return Err(ReadError::invalid(format!("node {n} has two parents or is its own ancestor")));
         }
         let world = parent * local(node);
-        found.push((n, world));
+        visit(n, world)?;
         stack.extend(node.children.iter().rev().map(|&child| (child, world)));
     }
     match visited.iter().position(|v| !v) {
         Some(n) if document.scenes.is_empty() => {
             Err(ReadError::invalid(format!("node {n} is its own ancestor")))
         }
-        _ => Ok(found),
+        _ => Ok(()),
     }
 }
 
