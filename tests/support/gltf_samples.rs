@@ -594,6 +594,40 @@ fn two_sets_of_joints() -> Sample {
     s
 }
 
+/// Glass: extensions of materials on each other, and an animation of a property that no node has.
+fn glass() -> Sample {
+    let mut s = plain();
+    s.name = "glass, animated material";
+    s.push(
+        "materials",
+        json!({ "name": "glass", "emissiveFactor": [0.1, 0.2, 0.3], "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": 0.9 },
+            "KHR_materials_volume": { "thicknessFactor": 0.5, "attenuationColor": [0.9, 0.95, 1.0] },
+            "KHR_materials_ior": { "ior": 1.52 },
+            "KHR_materials_emissive_strength": { "emissiveStrength": 4.0 } } }),
+    );
+    s.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let times = s.other(&[0.0, 2.0], 1);
+    let factors = s.other(&[0.9, 0.1], 1);
+    for member in ["min", "max"] {
+        s.json["accessors"][factors].as_object_mut().unwrap().remove(member);
+    }
+    let pointer = "/materials/0/extensions/KHR_materials_transmission/transmissionFactor";
+    s.push(
+        "animations",
+        json!({ "samplers": [{ "input": times, "output": factors }], "channels": [{ "sampler": 0, "target": {
+            "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": pointer } } } }] }),
+    );
+    s.json["extensionsUsed"] = json!([
+        "KHR_materials_transmission",
+        "KHR_materials_volume",
+        "KHR_materials_ior",
+        "KHR_materials_emissive_strength",
+        "KHR_animation_pointer",
+    ]);
+    s
+}
+
 /// Every kind.
 pub fn all() -> Vec<Sample> {
     vec![
@@ -616,5 +650,6 @@ pub fn all() -> Vec<Sample> {
         unknown(),
         sparse(),
         two_meshes(),
+        glass(),
     ]
 }

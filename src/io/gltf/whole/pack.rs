@@ -295,7 +295,6 @@ fn accessor(mut json: Value, column: &Column) -> Value {
         3 => "VEC3",
         _ => "VEC4",
     };
-    let had_range = json.get("min").is_some();
     forget(&mut json, &["bufferView", "sparse", "byteOffset", "min", "max", "normalized"]);
     json["componentType"] = json!(component);
     json["count"] = json!(column.count);
@@ -303,7 +302,7 @@ fn accessor(mut json: Value, column: &Column) -> Value {
     if column.shape.normalized {
         json["normalized"] = json!(true);
     }
-    if let Some([low, high]) = column.range.as_ref().filter(|_| had_range || column.range.is_some()) {
+    if let Some([low, high]) = &column.range {
         json["min"] = json!(low);
         json["max"] = json!(high);
     }
