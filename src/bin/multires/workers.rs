@@ -5,15 +5,15 @@
 /// With the feature `parallel` these are the threads on which the library divides its own work: pieces at the end, when others are
 /// done, still get all cores, and no thread waits for another.
 #[cfg(feature = "parallel")]
-pub fn each<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+pub fn each<R: Send>(count: usize, work: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     use rayon::prelude::*;
 
-    (0..count).into_par_iter().with_max_len(1).map(|piece| work(piece)).collect()
+    (0..count).into_par_iter().with_max_len(1).map(work).collect()
 }
 
 /// Calls `work` for every number below `count`, on as many threads as there are cores: each takes the next piece.
 #[cfg(not(feature = "parallel"))]
-pub fn each<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+pub fn each<R: Send>(count: usize, work: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
