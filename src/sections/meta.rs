@@ -12,7 +12,7 @@ pub(crate) fn encode<T: Serialize>(value: &T, to: &mut Vec<u8>) -> Result<(), Ba
     written.map(drop).map_err(|e| BakeError::Encode { what: e.to_string() })
 }
 
-/// Decodes a value that fills the bytes, under the smallest limit that fits them. Without a limit, bincode would reserve
+/// Decodes a value that fills the bytes, under the smallest limit that fits them. There are few limits, since each is all decoders once more. Without a limit, bincode would reserve
 /// a string's declared length. Serde reserves up to a mebibyte for a sequence and then grows it as it fills.
 pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, BakeError> {
     macro_rules! under_limit {
@@ -29,7 +29,7 @@ pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, BakeError> 
             }
         };
     }
-    let decoded = under_limit!(10 12 14 16 18 20 22 24 26 28 30);
+    let decoded = under_limit!(10 14 18 22 26 30);
     let (value, used): (T, usize) = decoded.map_err(|e| BakeError::damaged(one_line(&e)))?;
     match bytes.len() - used {
         0 => Ok(value),

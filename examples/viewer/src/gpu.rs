@@ -42,11 +42,19 @@ impl Gpu {
     ///
     /// # Errors
     /// There is no adapter, or it refuses.
+    #[cfg(feature = "program")]
     pub fn open(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
         pollster::block_on(Self::find(instance, surface))
     }
 
-    async fn find(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
+    /// The same for who cannot wait.
+    ///
+    /// # Errors
+    /// There is no adapter, or it refuses.
+    pub async fn find(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+    ) -> Result<Self, GpuError> {
         let named = match std::env::var("WGPU_ADAPTER_NAME") {
             Ok(name) => {
                 let all = instance.enumerate_adapters(wgpu::Backends::all()).await;

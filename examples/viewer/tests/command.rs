@@ -11,6 +11,7 @@ use multires::io;
 use multires::lod::Structure;
 use multires::mesh::shapes;
 use multires::wavelet::WaveletMesh;
+use multires_viewer::headless::read_png;
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_multires-viewer"));
@@ -46,8 +47,8 @@ const PATH: &str = "frame,ex,ey,ez,tx,ty,tz\n0,0,0.2,1.6,0,0,0\n5,0.4,0.2,1,0,0,
 
 /// Pixels of a picture that are darker in some colour than the background is.
 fn surface(path: &Path) -> usize {
-    let picture = image::open(path).unwrap().into_rgb8();
-    picture.pixels().filter(|p| p.0.iter().any(|&channel| channel < 200)).count()
+    let picture = read_png(path).unwrap();
+    picture.pixels.iter().filter(|[r, g, b, _]| [r, g, b].into_iter().any(|&channel| channel < 200)).count()
 }
 
 #[test]

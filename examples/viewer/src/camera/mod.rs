@@ -40,6 +40,15 @@ pub struct Lens {
     pub size: [u32; 2],
 }
 
+impl Lens {
+    /// The field of view in the narrower direction, radians: what all of a scene must fit into.
+    pub fn narrow(&self) -> f64 {
+        let [width, height] = self.size.map(f64::from);
+        let high = (self.field_of_view * 0.5).tan();
+        2.0 * (high * (width / height.max(1.0)).min(1.0)).atan()
+    }
+}
+
 /// How large errors may be on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

@@ -24,7 +24,7 @@ use crate::arguments::Arguments;
 use crate::camera::{Lens, Path, PathError, Pose};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::renderer::{Look, RenderError, Shading};
-use crate::scene::{ModelError, Scene, SceneControlError};
+use crate::scene::{ModelError, Scene, SceneControlError, Texture};
 
 /// Seconds from frame to frame.
 pub const STEP: f32 = 1.0 / 60.0;
@@ -96,24 +96,13 @@ impl Failure {
     }
 }
 
-/// The pixels of a PNG: its size, and red, green, blue and opacity.
+/// The picture of a PNG file.
 ///
 /// # Errors
 /// The file cannot be read, is no PNG, or is larger than cards take.
-pub fn read_png(path: &FilePath) -> Result<([u32; 2], Vec<[u8; 4]>), Failure> {
+pub fn read_png(path: &FilePath) -> Result<Texture, Failure> {
     let wrong = |reason: String| Failure::Picture { path: path.to_owned(), reason };
-    decode_png(std::fs::read(path).map_err(|error| wrong(error.to_string()))?).map_err(wrong)
-}
-
-/// The pixels of a PNG in memory.
-pub(crate) fn decode_png(bytes: Vec<u8>) -> Result<([u32; 2], Vec<[u8; 4]>), String> {
-    let mut reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Png);
-    let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(8192), Some(8192));
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|error| error.to_string())?.into_rgba8();
-    let size = [picture.width(), picture.height()];
-    Ok((size, bytemuck::pod_collect_to_vec(picture.as_raw())))
+    Texture::from_png(&std::fs::read(path).map_err(|error| wrong(error.to_string()))?).map_err(wrong)
 }
 
 /// Writes a picture as PNG, whole or not at all. Opacity is left out.
@@ -123,12 +112,11 @@ pub(crate) fn decode_png(bytes: Vec<u8>) -> Result<([u32; 2], Vec<[u8; 4]>), Str
 pub fn write_png(path: &FilePath, size: [u32; 2], pixels: &[[u8; 4]]) -> Result<(), Failure> {
     let wrong = |reason: String| Failure::Picture { path: path.to_owned(), reason };
     let rgb: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    let picture = image::RgbImage::from_raw(size[0], size[1], rgb)
-        .ok_or_else(|| wrong("the picture has another size".to_owned()))?;
     let mut bytes = Vec::new();
-    picture
-        .write_to(&mut std::io::Cursor::new(&mut bytes), image::ImageFormat::Png)
-        .map_err(|error| wrong(error.to_string()))?;
+    let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&rgb));
+    written.map_err(|error| wrong(error.to_string()))?;
     atomic::write(path, &bytes).map_err(|error| wrong(error.to_string()))
 }
 
@@ -183,7 +171,7 @@ pub fn run(arguments: &Arguments, since: Instant, mut say: impl FnMut(&str)) -> 
             .map_err(|error| Failure::Model { name: source.name(), source: error.into() })?;
     stage.scene_mut().set_control(arguments.control())?;
     if let Some(texture) = &arguments.texture {
-        let (size, pixels) = read_png(texture)?;
+        let Texture { size, pixels } = read_png(texture)?;
         stage.set_paint(size, &pixels);
     }
     let poses = poses(arguments, stage.scene(), path.as_ref());

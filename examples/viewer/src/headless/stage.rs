@@ -88,11 +88,6 @@ impl Stage {
         &mut self.scene
     }
 
-    /// Whether edges of triangles can be drawn.
-    pub fn has_wire(&self) -> bool {
-        self.renderer.has_wire()
-    }
-
     /// One frame, `seconds` after the last: adapts, uploads, and draws where there is something to look with. Waits for the card.
     pub fn frame(
         &mut self,
@@ -105,7 +100,7 @@ impl Stage {
         let adapted = scene.adapt(views, seconds);
 
         let start = Instant::now();
-        scene.sync(&gpu.device, uploads, overlays.written);
+        scene.sync(&gpu.device, uploads, renderer, overlays);
         if let Some(look) = look {
             eye.look(uploads, look, target.size());
         }

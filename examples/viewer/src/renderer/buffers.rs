@@ -16,23 +16,24 @@ use std::ops::Range;
 
 use multires::lod::{Lod, MorphUniform};
 
+use super::edges::{self, Edges};
 use super::uploads::{Kind, Uploads};
 use super::vertex::Vertex;
 
 /// A buffer with room for more than it holds.
-struct Growing {
-    buffer: wgpu::Buffer,
+pub(super) struct Growing {
+    pub buffer: wgpu::Buffer,
     /// Bytes in use.
     used: u64,
 }
 
 impl Growing {
-    fn new(device: &wgpu::Device, bytes: u64, usage: wgpu::BufferUsages) -> Self {
+    pub fn new(device: &wgpu::Device, bytes: u64, usage: wgpu::BufferUsages) -> Self {
         Self { buffer: create(device, bytes, usage), used: 0 }
     }
 
     /// Makes room for so many bytes.
-    fn fit(&mut self, device: &wgpu::Device, uploads: &mut Uploads, bytes: u64) {
+    pub fn fit(&mut self, device: &wgpu::Device, uploads: &mut Uploads, bytes: u64) {
         if bytes > self.buffer.size() {
             let larger = create(device, bytes, self.buffer.usage());
             uploads.grow(&self.buffer, &larger, self.used);
@@ -54,7 +55,8 @@ fn create(device: &wgpu::Device, bytes: u64, usage: wgpu::BufferUsages) -> wgpu:
 
 const VERTEX_USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::VERTEX.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
-const INDEX_USAGE: wgpu::BufferUsages =
+/// Usage of index buffers.
+pub(super) const INDEX_USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::INDEX.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
 /// Buffers shared by all instances of a model, each uploaded once, when the first instance needs it.
@@ -64,6 +66,8 @@ pub struct SharedBuffers {
     targets: Option<wgpu::Buffer>,
     /// One for each group; empty unless instances share triangles.
     indices: Vec<wgpu::Buffer>,
+    /// The edges of those, where they were asked for.
+    edges: Vec<wgpu::Buffer>,
 }
 
 impl SharedBuffers {
@@ -102,9 +106,27 @@ impl SharedBuffers {
         }
     }
 
+    /// Returns the edges of the triangles that instances share, uploaded the first time.
+    pub(super) fn edges(
+        &mut self,
+        device: &wgpu::Device,
+        uploads: &mut Uploads,
+        lod: &dyn Lod,
+    ) -> &[wgpu::Buffer] {
+        if self.edges.is_empty() {
+            let of = |group| {
+                let mut edges = Growing::new(device, 0, INDEX_USAGE);
+                edges::write(device, uploads, &mut edges, 0, lod.buffered_triangles(group));
+                edges.buffer
+            };
+            self.edges = (0..lod.groups()).map(of).collect();
+        }
+        &self.edges
+    }
+
     /// Returns the bytes on the card.
     pub fn memory(&self) -> u64 {
-        let all = self.vertices.iter().chain(&self.targets).chain(&self.indices);
+        let all = self.vertices.iter().chain(&self.targets).chain(&self.indices).chain(&self.edges);
         all.map(wgpu::Buffer::size).sum()
     }
 }
@@ -136,6 +158,8 @@ impl Held {
 pub struct LodBuffers {
     buffers: Vec<Held>,
     targets: Option<wgpu::Buffer>,
+    /// Edges of the triangles of every group; empty unless asked for.
+    edges: Vec<Edges>,
     morph: MorphUniform,
     /// Triangles to draw of every group.
     drawn: Vec<Range<u32>>,
@@ -158,9 +182,33 @@ impl LodBuffers {
         Self {
             buffers: (0..=lod.groups()).map(hold).collect(),
             targets: shared.targets.clone().filter(|_| card_morph(lod).is_some()),
+            edges: Vec::new(),
             morph: MorphUniform::default(),
             drawn: vec![0..0; lod.groups()],
         }
+    }
+
+    /// Keeps the edges of triangles as well, from now on: for a card that cannot draw triangles as lines. Call it before
+    /// [`sync`](Self::sync), in every frame that shows them.
+    pub fn sync_edges(
+        &mut self,
+        device: &wgpu::Device,
+        uploads: &mut Uploads,
+        lod: &dyn Lod,
+        shared: &mut SharedBuffers,
+    ) {
+        if self.edges.is_empty() {
+            self.edges = Edges::all(device, uploads, lod, shared);
+        } else {
+            for (group, edges) in self.edges.iter_mut().enumerate() {
+                edges.sync(device, uploads, lod, group);
+            }
+        }
+    }
+
+    /// Forgets the edges: a frame that shows none does not keep them.
+    pub fn drop_edges(&mut self) {
+        self.edges.clear();
     }
 
     /// Uploads what was written since the last call, and cleans the level of detail.
@@ -202,9 +250,15 @@ impl LodBuffers {
         self.buffers[1..].iter().map(Held::buffer).zip(self.drawn.iter().cloned())
     }
 
+    /// Returns the buffer of the edges of every group, and the range of triangles to draw the edges of.
+    pub fn edges(&self) -> impl Iterator<Item = (&wgpu::Buffer, Range<u32>)> {
+        self.edges.iter().map(Edges::buffer).zip(self.drawn.iter().cloned())
+    }
+
     /// Returns the bytes on the card, without what is shared.
     pub fn memory(&self) -> u64 {
         let own = |held: &Held| if let Held::Own(growing) = held { growing.buffer.size() } else { 0 };
-        self.buffers.iter().map(own).sum()
+        let edges = |edges: &Edges| if let Edges::Own(growing) = edges { growing.buffer.size() } else { 0 };
+        self.buffers.iter().map(own).sum::<u64>() + self.edges.iter().map(edges).sum::<u64>()
     }
 }

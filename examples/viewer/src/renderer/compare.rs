@@ -76,13 +76,13 @@ impl Compare {
             Show::Picture(picture) => (&self.show, picture, picture),
             Show::Difference(first, second) => (&self.difference, first, second),
         };
-        let views = [first.bytes_view(), second.bytes_view()];
+        let views = [first.view(), second.view()];
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.layout,
             entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&views[0]) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&views[1]) },
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(views[0]) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(views[1]) },
             ],
         });
         let [x, y, width, height] = part.map(|pixels| pixels as f32);

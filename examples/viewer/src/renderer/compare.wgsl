@@ -20,6 +20,11 @@ fn pixel(image: texture_2d<f32>, at: vec2<f32>) -> vec4<f32> {
     return textureLoad(image, place, 0);
 }
 
+// Light as sRGB, and back.
+fn encoded(c: vec3<f32>) -> vec3<f32> {
+    return select(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, c * 12.92, c <= vec3(0.0031308));
+}
+
 fn linear(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
 }
@@ -27,19 +32,19 @@ fn linear(c: vec3<f32>) -> vec3<f32> {
 // For a window whose bytes are taken as they are, and for one that turns light into sRGB by itself.
 @fragment
 fn show_bytes(in: Corner) -> @location(0) vec4<f32> {
-    return vec4(pixel(first, in.at).rgb, 1.0);
+    return vec4(encoded(pixel(first, in.at).rgb), 1.0);
 }
 
 @fragment
 fn show_light(in: Corner) -> @location(0) vec4<f32> {
-    return vec4(linear(pixel(first, in.at).rgb), 1.0);
+    return vec4(pixel(first, in.at).rgb, 1.0);
 }
 
 // Grey where the pictures agree, brighter the more they differ; where only one shows a surface, red or blue.
 fn difference(at: vec2<f32>) -> vec3<f32> {
     let a = pixel(first, at);
     let b = pixel(second, at);
-    let apart = abs(a.rgb - b.rgb);
+    let apart = abs(encoded(a.rgb) - encoded(b.rgb));
     let most = max(apart.r, max(apart.g, apart.b));
     let shown = vec3(0.06 + 0.08 * b.a) + vec3(1.0, 0.82, 0.35) * min(most * 8.0, 1.0) * 0.85;
     if a.a - b.a > 0.5 { return vec3(0.95, 0.25, 0.2); }

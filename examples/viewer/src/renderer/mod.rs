@@ -10,6 +10,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `buffers.rs` | [`LodBuffers`]: buffers in step with a level of detail by its dirty ranges; [`SharedBuffers`]: those of all instances |
+//! | `edges.rs` | edges of triangles, for cards that cannot draw them |
 //! | `uploads.rs` | [`Uploads`]: all that a frame uploads, in one write |
 //! | `vertex.rs` | [`Vertex`] and [`Instance`]: what the card reads |
 //! | `pipelines.rs`, `shader.wgsl` | how things are drawn |
@@ -22,6 +23,7 @@
 
 mod buffers;
 mod compare;
+mod edges;
 mod picture;
 mod pipelines;
 mod target;
@@ -32,7 +34,7 @@ pub use buffers::{LodBuffers, SharedBuffers, card_morph};
 pub use compare::{Compare, Show};
 pub use picture::Paint;
 pub use pipelines::LineEnd;
-pub use target::{COLOUR, COLOUR_BYTES, DEPTH, Target};
+pub use target::{COLOUR, DEPTH, Target};
 pub use uploads::{Kind, Uploaded, Uploads};
 pub use vertex::{Instance, MORPH_LAYOUT, TRIANGLE, Vertex};
 
@@ -56,7 +58,8 @@ pub enum RenderError {
 }
 
 /// What colours a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Shading {
     /// A colour for each material.
     #[default]
@@ -194,9 +197,10 @@ impl Renderer {
         self.samples
     }
 
-    /// Whether edges of triangles can be drawn.
-    pub fn has_wire(&self) -> bool {
-        self.pipelines.wire.is_some()
+    /// Whether edges of triangles are drawn from [buffers of their own](LodBuffers::sync_edges), since the card cannot draw triangles
+    /// as lines.
+    pub fn needs_edges(&self) -> bool {
+        self.pipelines.wire_is_lines
     }
 
     /// A camera.
@@ -249,9 +253,9 @@ impl Renderer {
         pass.set_pipeline(&self.pipelines.overlay);
     }
 
-    /// Draws edges of triangles, each instance in its colour, from here on; `false` where the card cannot.
-    pub fn wires(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
-        self.pipelines.wire.as_ref().map(|wire| pass.set_pipeline(wire)).is_some()
+    /// Draws [edges](Self::draw_wire) of triangles, each instance in its colour, from here on.
+    pub fn wires(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipelines.wire);
     }
 
     /// Draws from here on as [instances](Instance) at those places, whose vertices have gone those ways to their targets: a
@@ -274,6 +278,23 @@ impl Renderer {
             if !triangles.is_empty() {
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, instance..instance + 1);
+            }
+        }
+    }
+
+    /// Draws the edges of an object as [`draw`](Self::draw) draws its triangles. Where the renderer
+    /// [needs edges](Self::needs_edges), those that the object keeps.
+    pub fn draw_wire(&self, pass: &mut wgpu::RenderPass<'_>, object: &LodBuffers, first: u32) {
+        if !self.needs_edges() {
+            return self.draw(pass, object, first);
+        }
+        pass.set_vertex_buffer(0, object.vertices().slice(..));
+        pass.set_vertex_buffer(3, object.targets().slice(..));
+        for ((indices, triangles), instance) in object.edges().zip(first..) {
+            if !triangles.is_empty() {
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                let range = edges::EDGE_INDICES * triangles.start..edges::EDGE_INDICES * triangles.end;
+                pass.draw_indexed(range, 0, instance..instance + 1);
             }
         }
     }

@@ -21,8 +21,10 @@ pub(super) struct Pipelines {
     pub surface: wgpu::RenderPipeline,
     /// On top of the surface, in one colour.
     pub overlay: wgpu::RenderPipeline,
-    /// The edges of triangles; `None` where the card cannot.
-    pub wire: Option<wgpu::RenderPipeline>,
+    /// The edges of triangles.
+    pub wire: wgpu::RenderPipeline,
+    /// Whether those are lines in buffers of their own, and not triangles drawn as lines.
+    pub wire_is_lines: bool,
     pub lines: wgpu::RenderPipeline,
     pub frame_layout: wgpu::BindGroupLayout,
     pub picture_layout: wgpu::BindGroupLayout,
@@ -122,9 +124,14 @@ impl Pipelines {
         };
         let overlay =
             Kind { vertex: "overlay_corner", fragment: "overlay", buffers: &corners, primitive: triangles };
-        let wire = wgpu::PrimitiveState { polygon_mode: wgpu::PolygonMode::Line, ..triangles };
         let lines =
             wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::LineList, ..Default::default() };
+        let wire_is_lines = !device.features().contains(wgpu::Features::POLYGON_MODE_LINE);
+        let wire = if wire_is_lines {
+            lines
+        } else {
+            wgpu::PrimitiveState { polygon_mode: wgpu::PolygonMode::Line, ..triangles }
+        };
         Self {
             backdrop: make(Kind {
                 vertex: "backdrop_corner",
@@ -133,10 +140,8 @@ impl Pipelines {
                 primitive: triangles,
             }),
             surface: make(Kind { vertex: "surface_corner", fragment: "surface", ..overlay }),
-            wire: device
-                .features()
-                .contains(wgpu::Features::POLYGON_MODE_LINE)
-                .then(|| make(Kind { primitive: wire, ..overlay })),
+            wire: make(Kind { primitive: wire, ..overlay }),
+            wire_is_lines,
             lines: make(Kind { vertex: "line_end", fragment: "line", buffers: &ends, primitive: lines }),
             overlay: make(overlay),
             frame_layout,

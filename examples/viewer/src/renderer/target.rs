@@ -4,8 +4,6 @@ use super::RenderError;
 
 /// Colours of a target: bytes, sRGB.
 pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// The same bytes as they are.
-pub const COLOUR_BYTES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Depths of a target, reversed.
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -24,7 +22,7 @@ impl Target {
     pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Self {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|side| side.clamp(1, most));
-        let texture = |format, sample_count, usage, view_formats: &[wgpu::TextureFormat]| {
+        let texture = |format, sample_count, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("target"),
                 size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
@@ -33,17 +31,17 @@ impl Target {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage,
-                view_formats,
+                view_formats: &[],
             })
         };
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let read = drawn | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let picture = texture(COLOUR, 1, read, &[COLOUR_BYTES]);
+        let picture = texture(COLOUR, 1, read);
         let several = samples > 1;
         Self {
             size,
-            samples: several.then(|| texture(COLOUR, samples, drawn, &[]).create_view(&Default::default())),
-            depth: texture(DEPTH, samples.max(1), drawn, &[]).create_view(&Default::default()),
+            samples: several.then(|| texture(COLOUR, samples, drawn).create_view(&Default::default())),
+            depth: texture(DEPTH, samples.max(1), drawn).create_view(&Default::default()),
             view: picture.create_view(&Default::default()),
             picture,
         }
@@ -54,13 +52,9 @@ impl Target {
         self.size
     }
 
-    /// The picture's bytes, for a shader that shows or compares them as they are.
-    pub fn bytes_view(&self) -> wgpu::TextureView {
-        self.picture.create_view(&wgpu::TextureViewDescriptor {
-            format: Some(COLOUR_BYTES),
-            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
-            ..Default::default()
-        })
+    /// The picture, for a shader that shows or compares it: light, and the share of a pixel that shows a surface.
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.view
     }
 
     /// A pass that draws it anew.

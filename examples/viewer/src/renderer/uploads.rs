@@ -100,16 +100,16 @@ impl Uploads {
         encoder: &mut wgpu::CommandEncoder,
     ) -> Uploaded {
         let needed = self.bytes.len() as u64;
-        let staging = self.staging.take().filter(|staging| staging.size() >= needed);
-        let staging = staging.unwrap_or_else(|| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("uploads"),
-                size: needed.next_power_of_two().max(1 << 16),
-                usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        });
-        if needed > 0 {
+        let staging = match self.staging.take().filter(|staging| staging.size() >= needed) {
+            Some(staging) => staging,
+            None => staging(device, needed),
+        };
+        if staging.usage().contains(wgpu::BufferUsages::MAP_WRITE) {
+            if let Ok(mut mapped) = staging.slice(..).get_mapped_range_mut() {
+                mapped.slice(..self.bytes.len()).copy_from_slice(&self.bytes);
+            }
+            staging.unmap();
+        } else if needed > 0 {
             queue.write_buffer(&staging, 0, &self.bytes);
         }
         for step in self.steps.drain(..) {
@@ -124,9 +124,22 @@ impl Uploads {
         // Once a model's vertices are there, no frame writes as much again.
         if needed > MOST_KEPT {
             self.bytes = Vec::new();
-        } else {
+        } else if !staging.usage().contains(wgpu::BufferUsages::MAP_WRITE) {
             self.staging = Some(staging);
         }
         std::mem::take(&mut self.counted)
     }
+}
+
+/// A buffer for the bytes of a frame. In WebGL no index buffer takes bytes from a buffer of another kind, but all take them from
+/// memory, which is where wgpu keeps what is mapped: there it is one for this frame alone, mapped.
+fn staging(device: &wgpu::Device, needed: u64) -> wgpu::Buffer {
+    let mapped = cfg!(target_arch = "wasm32") && device.adapter_info().backend == wgpu::Backend::Gl;
+    let kind = if mapped { wgpu::BufferUsages::MAP_WRITE } else { wgpu::BufferUsages::COPY_DST };
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("uploads"),
+        size: if mapped { needed.max(4) } else { needed.next_power_of_two().max(1 << 16) },
+        usage: wgpu::BufferUsages::COPY_SRC | kind,
+        mapped_at_creation: mapped,
+    })
 }

@@ -6,7 +6,8 @@ use super::model::StructureKind;
 use crate::camera::Orbit;
 
 /// A built-in scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Builtin {
     /// The library's demo model: seams, creases, five materials.
     Demo,

@@ -9,11 +9,12 @@
 //! | `control.rs` | [`ControlOptions`]: triangles or time held over all objects |
 //! | `instance.rs` | an instance, as a g-mesh where it is one |
 //! | `builtin.rs` | [`Builtin`]: scenes that need no file |
-//! | `load.rs` | [`Loading`]: models that are built in a thread of their own |
+//! | `load.rs` | `Loading`: models that are built in a thread of their own |
 
 mod builtin;
 mod control;
 mod instance;
+#[cfg(feature = "program")]
 mod load;
 mod model;
 mod pictures;
@@ -21,6 +22,7 @@ mod texture;
 
 pub use builtin::Builtin;
 pub use control::{ControlOptions, Controlled, Controller, SceneControlError};
+#[cfg(feature = "program")]
 pub use load::{Loading, Source};
 pub use model::{BuildOptions, Coordinates, Model, ModelError, Progress, StructureKind};
 pub use texture::Texture;
@@ -28,13 +30,14 @@ pub use texture::Texture;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glam::{DVec3, Mat4, Vec3};
 use multires::adapt::Change;
 use multires::lod::{Lod, LodError, LodOptions, MorphUniform, VertexBuffer};
 use multires::quality::palette;
 use multires::view::{ObjectView, View};
+use web_time::Instant;
 
 use crate::renderer::{
     Eye, Instance as InstanceRecord, Kind, LodBuffers, Paint, Renderer, SharedBuffers, Target, Uploads,
@@ -320,8 +323,15 @@ impl Scene {
         self.objects.iter_mut().for_each(|object| object.instance.lod_mut().settle());
     }
 
-    /// Uploads what was written since the last call. With `remember` the triangles are kept, to glow.
-    pub fn sync(&mut self, device: &wgpu::Device, uploads: &mut Uploads, remember: bool) {
+    /// Uploads what was written since the last call, and whatever else the overlays need.
+    pub fn sync(
+        &mut self,
+        device: &wgpu::Device,
+        uploads: &mut Uploads,
+        renderer: &Renderer,
+        overlays: Overlays,
+    ) {
+        let remember = overlays.written;
         let groups = self.model.materials().len();
         let mut moved = false;
         for (object, morphs) in self.objects.iter_mut().zip(self.morphs.chunks_mut(groups)) {
@@ -335,6 +345,11 @@ impl Scene {
             }
             while object.written.len() > if remember { GLOW } else { 0 } {
                 object.written.pop_front();
+            }
+            if overlays.wire && renderer.needs_edges() {
+                object.buffers.sync_edges(device, uploads, object.instance.lod(), &mut self.shared);
+            } else {
+                object.buffers.drop_edges();
             }
             object.buffers.sync(device, uploads, object.instance.lod_mut());
             moved |= morphs[0] != object.buffers.morph();
@@ -391,9 +406,10 @@ impl Scene {
         renderer.surfaces(pass);
         colours(pass, 0);
         each().for_each(|(object, first)| renderer.draw(pass, &object.buffers, first));
-        if overlays.wire && renderer.wires(pass) {
+        if overlays.wire {
+            renderer.wires(pass);
             colours(pass, 1);
-            each().for_each(|(object, first)| renderer.draw(pass, &object.buffers, first));
+            each().for_each(|(object, first)| renderer.draw_wire(pass, &object.buffers, first));
         }
         if overlays.written {
             renderer.overlays(pass);

@@ -73,7 +73,8 @@ impl ModelError {
 }
 
 /// Which structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum StructureKind {
     /// A vertex hierarchy: fine where a view needs it.
     #[default]
@@ -87,7 +88,8 @@ pub enum StructureKind {
 }
 
 /// Which texture coordinates a wavelet mesh has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Coordinates {
     /// Those of an atlas of its base faces, with a texture that shows them.
     #[default]
@@ -222,6 +224,14 @@ impl Model {
         Self::new(io::read_model(path).map_err(ModelError::of)?, coordinates)
     }
 
+    /// The same from memory.
+    ///
+    /// # Errors
+    /// The bytes hold something else.
+    pub fn of_baked(bytes: &[u8], coordinates: Coordinates) -> Result<Self, ModelError> {
+        Self::new(io::unbake_model(bytes).map_err(ModelError::of)?, coordinates)
+    }
+
     /// Builds a structure from a mesh.
     ///
     /// # Errors
@@ -293,6 +303,12 @@ impl Model {
             warnings: Vec::new(),
             baked,
         })
+    }
+
+    /// With the pictures inside the glTF file that it was built from.
+    #[must_use]
+    pub fn with_pictures_in(self, gltf: &[u8]) -> Self {
+        self.with_pictures(Pictures::of(gltf))
     }
 
     /// With pictures for its texture coordinates, or warnings why there are none.

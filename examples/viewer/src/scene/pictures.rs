@@ -1,11 +1,11 @@
 //! The pictures of a glTF file: base colours and normals that its materials name, inside the file or beside it.
 
+#[cfg(feature = "program")]
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::texture::Texture;
-use crate::headless::decode_png;
 
 /// Magic number of a .glb, and the kinds of its chunks.
 const GLB: &[u8] = b"glTF";
@@ -24,25 +24,38 @@ pub(super) struct Pictures {
 
 impl Pictures {
     /// Reads the pictures of a glTF file; of other files there are none. PNG only.
+    #[cfg(feature = "program")]
     pub fn read(path: &Path) -> Self {
         let mut pictures = Self::default();
         let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
         if is("gltf") || is("glb") {
-            pictures
-                .take(path)
+            let read =
+                |path: &Path| std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()));
+            std::fs::read(path)
+                .map_err(|error| error.to_string())
+                .and_then(|bytes| pictures.take(&bytes, &|name| read(&path.with_file_name(name))))
                 .unwrap_or_else(|reason| pictures.warnings.push(format!("no pictures: {reason}")));
         }
         pictures
     }
 
-    fn take(&mut self, path: &Path) -> Result<(), String> {
-        let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-        let (document, binary) = parts(&bytes).ok_or("the document is damaged")?;
+    /// Reads the pictures inside a glTF file in memory; those beside it are named as lost.
+    pub fn of(bytes: &[u8]) -> Self {
+        let mut pictures = Self::default();
+        let beside = |name: &str| Err(format!("{name} lies beside the file"));
+        pictures
+            .take(bytes, &beside)
+            .unwrap_or_else(|reason| pictures.warnings.push(format!("no pictures: {reason}")));
+        pictures
+    }
+
+    fn take(&mut self, bytes: &[u8], beside: &Beside<'_>) -> Result<(), String> {
+        let (document, binary) = parts(bytes).ok_or("the document is damaged")?;
         let document: Value = serde_json::from_slice(document).map_err(|error| error.to_string())?;
         let materials = document["materials"].as_array().map_or(&[][..], Vec::as_slice);
         let named = |texture: fn(&Value) -> &Value| {
             let index = materials.iter().find_map(|material| texture(material)["index"].as_u64());
-            index.map(|index| picture(path, &document, binary, index))
+            index.map(|index| picture(beside, &document, binary, index))
         };
         let base_colour = named(|material| &material["pbrMetallicRoughness"]["baseColorTexture"]);
         let normals = named(|material| &material["normalTexture"]);
@@ -56,20 +69,19 @@ impl Pictures {
     }
 }
 
+/// Reads a file beside the document, by name.
+type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
 /// Returns the picture of a texture of the document.
-fn picture(path: &Path, document: &Value, binary: &[u8], texture: u64) -> Result<Texture, String> {
+fn picture(beside: &Beside<'_>, document: &Value, binary: &[u8], texture: u64) -> Result<Texture, String> {
     let source = document["textures"][texture as usize]["source"].as_u64();
     let image = &document["images"][source.ok_or("the texture has no picture")? as usize];
     let picture = match image["uri"].as_str() {
         Some(uri) if uri.starts_with("data:") => return Err("pictures in data URIs are not read".to_owned()),
-        Some(uri) => {
-            let beside = path.with_file_name(String::from_utf8_lossy(&decoded(uri)).as_ref());
-            std::fs::read(&beside).map_err(|error| format!("{}: {error}", beside.display()))?
-        }
+        Some(uri) => beside(&String::from_utf8_lossy(&decoded(uri)))?,
         None => embedded(document, image, binary).ok_or("the picture is not in the file")?.to_vec(),
     };
-    let (size, pixels) = decode_png(picture)?;
-    Ok(Texture { size, pixels })
+    Texture::from_png(&picture)
 }
 
 /// Returns the document and the binary chunk of a file.

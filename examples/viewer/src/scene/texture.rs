@@ -13,6 +13,9 @@ const LEAST_CHART: u32 = 16;
 /// Texels of no chart. Filters of small pictures reach them, so they are no colour.
 const BETWEEN: [u8; 4] = [168, 168, 168, 255];
 
+/// Most texels along a side of a picture that is read: what cards take.
+const LARGEST: u32 = 8192;
+
 /// A picture to paint surfaces with.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texture {
@@ -20,6 +23,32 @@ pub struct Texture {
     pub size: [u32; 2],
     /// Row by row, sRGB and opacity.
     pub pixels: Vec<[u8; 4]>,
+}
+
+impl Texture {
+    /// Decodes a PNG.
+    ///
+    /// # Errors
+    /// It is no PNG, or larger than cards take.
+    pub fn from_png(bytes: &[u8]) -> Result<Self, String> {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder
+            .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
+        let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+        let size = [reader.info().width, reader.info().height];
+        if size.iter().any(|&side| side > LARGEST) {
+            return Err(format!("{} x {} pixels are more than {LARGEST} on a side", size[0], size[1]));
+        }
+        let mut bytes = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
+        reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
+        let pixels = match reader.output_color_type().0 {
+            png::ColorType::GrayscaleAlpha => {
+                bytes.as_chunks().0.iter().map(|&[l, a]| [l, l, l, a]).collect()
+            }
+            _ => bytes.as_chunks().0.to_vec(),
+        };
+        Ok(Self { size, pixels })
+    }
 }
 
 /// A model with the coordinates of an atlas of its base instead of those that it had, and a texture for them, where it is a wavelet
@@ -46,19 +75,27 @@ fn by_base(mesh: &WaveletMesh) -> Option<(WaveletMesh, Texture)> {
     let atlas = Atlas::new(mesh, &AtlasOptions::default().with_resolution(side).with_gutter(gutter)).ok()?;
     // About as many squares on a base of few faces as on one of many.
     let squares = (64.0 / (faces as f64).sqrt()).log2().round().clamp(1.0, 5.0).exp2();
-    let mut pixels = atlas.bake(mesh, |point| colour(point, squares)).ok()?;
+    // Borders between small triangles are as wide as a texel.
+    let texel = squares * f64::from(across) / f64::from(side);
+    let mut pixels = atlas.bake(mesh, |point| colour(point, squares, texel)).ok()?;
     pixels.iter_mut().filter(|pixel| pixel[3] == 0).for_each(|pixel| *pixel = BETWEEN);
     Some((mesh.with_atlas(&atlas).ok()?, Texture { size: [side; 2], pixels }))
 }
 
-/// Small triangles of a base face in turns in its colour and half-way to white.
-fn colour(point: &SurfacePoint, squares: f64) -> [u8; 4] {
-    let [r, g, b] = palette::categorical(point.domain.base_face);
-    let steps: f64 = point.domain.barycentric.iter().map(|weight| (weight * squares).floor()).sum();
-    if steps % 2.0 == 0.0 {
-        [r, g, b, 255]
-    } else {
-        let [r, g, b] = [r, g, b].map(|channel| channel / 2 + 127);
-        [r, g, b, 255]
-    }
+/// Small triangles of a base face in turns in its colour and half-way to white, `squares` along an edge. Borders between them are
+/// blurred over `width`, in edges of small triangles.
+fn colour(point: &SurfacePoint, squares: f64, width: f64) -> [u8; 4] {
+    // 1 and -1 in turns, through 0 at whole numbers.
+    let turns = |at: f64| {
+        let (whole, part) = (at.floor(), at - at.floor());
+        // At 0 another face begins.
+        let below = if whole > 0.0 { part } else { 1.0 };
+        let near = (below.min(1.0 - part) / (0.5 * width).max(1e-9)).min(1.0);
+        if whole % 2.0 == 0.0 { near } else { -near }
+    };
+    let product: f64 = point.domain.barycentric.iter().map(|weight| turns(weight * squares)).product();
+    let white = 0.25 - 0.25 * product;
+    let mix = |channel: u8| (f64::from(channel) * (1.0 - white) + 255.0 * white).round() as u8;
+    let [r, g, b] = palette::categorical(point.domain.base_face).map(mix);
+    [r, g, b, 255]
 }

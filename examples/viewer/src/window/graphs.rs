@@ -26,9 +26,15 @@ const CURVES: [(&str, &str); 8] = [
     ("Bytes uploaded", ""),
     ("Tolerance factor, or bias", ""),
 ];
-/// Curve of the triangles.
+/// Places of the curves.
 pub const TRIANGLES: usize = 0;
-/// Curve of what the controller puts out.
+pub const TESTS: usize = 1;
+pub const CHANGES: usize = 2;
+pub const ADAPT: usize = 3;
+pub const UPLOAD: usize = 4;
+pub const FRAME: usize = 5;
+pub const BYTES: usize = 6;
+/// What the controller puts out.
 pub const OUTPUT: usize = 7;
 
 /// Curves of all numbers.

@@ -117,6 +117,7 @@ impl App<'_> {
         let wake = self.wake();
         let Some(open) = &mut self.open else { return };
         let again = open.frame(wake);
+        open.viewer.follows = again.is_zero();
         self.frames += 1;
         if let Some(reason) = open.gpu.error() {
             // Where the card draws nothing, the panel is not seen either.

@@ -16,7 +16,7 @@ use crate::gpu::Gpu;
 use crate::headless::read_png;
 use crate::renderer::{Eye, Kind, LineEnd, Look, Paint, Renderer, Shading, Show, Target, Uploaded, Uploads};
 use crate::scene::{
-    Adapted, BuildOptions, ControlOptions, Controller, Loading, ModelError, Overlays, Scene, Source,
+    Adapted, BuildOptions, ControlOptions, Controller, Loading, ModelError, Overlays, Scene, Source, Texture,
 };
 
 /// Samples a pixel.
@@ -98,6 +98,10 @@ pub struct Viewer {
     /// What it uploaded.
     pub uploaded: Uploaded,
     last: Instant,
+    /// Whether the next frame comes as soon as it can: only then is the time to it one of a frame, and not of rest.
+    pub follows: bool,
+    /// Milliseconds of the last frame that another followed at once.
+    frame_time: f32,
     /// Frames for which triangles still glow.
     glow: usize,
 }
@@ -113,7 +117,8 @@ impl Viewer {
             options: arguments.options(),
             control: arguments.control(),
             tolerances: arguments.tolerances(),
-            shading: arguments.shading.unwrap_or_default(),
+            // What this is about is seen at once.
+            shading: arguments.shading.unwrap_or(Shading::Level),
             wire: arguments.wire,
             flat: arguments.flat,
             layout: arguments.beside,
@@ -148,6 +153,8 @@ impl Viewer {
             adapted: Adapted::default(),
             uploaded: Uploaded::default(),
             last: Instant::now(),
+            follows: false,
+            frame_time: 0.0,
             glow: 0,
             controls,
             renderer,
@@ -197,7 +204,7 @@ impl Viewer {
             }
         } else if is("png") {
             match read_png(file) {
-                Ok((size, pixels)) => {
+                Ok(Texture { size, pixels }) => {
                     let colours = (size, &pixels[..]);
                     self.paint = self.renderer.paint(&self.gpu.device, &self.gpu.queue, colours, None);
                     self.painted = true;
@@ -240,11 +247,6 @@ impl Viewer {
         self.gpu.name()
     }
 
-    /// Whether edges can be drawn.
-    pub fn has_wire(&self) -> bool {
-        self.renderer.has_wire()
-    }
-
     /// Length of the scene.
     pub fn size(&self) -> f64 {
         self.scene.as_ref().map_or(1.0, Scene::diagonal)
@@ -253,11 +255,8 @@ impl Viewer {
     /// Shows all of the scene.
     pub fn reset_camera(&mut self) {
         let (centre, size) = self.scene.as_ref().map_or(([0.0; 3], 1.0), |s| (s.centre(), s.diagonal()));
-        // In the narrower direction.
-        let [width, height] = self.targets[0].size().map(f64::from);
-        let high = (self.controls.field_of_view * 0.5).tan();
-        let narrow = 2.0 * (high * (width / height).min(1.0)).atan();
-        let orbit = self.source.orbit(centre, size, narrow, self.controls.z_up);
+        let lens = Lens { field_of_view: self.controls.field_of_view, size: self.targets[0].size() };
+        let orbit = self.source.orbit(centre, size, lens.narrow(), self.controls.z_up);
         let flies = matches!(self.hands, Hands::Fly(_));
         self.hands = Hands::Orbit(orbit);
         self.hands.fly(flies, size);
@@ -341,7 +340,10 @@ impl Viewer {
                     let normals = model.normal_map().map(|map| (map.size, &map.pixels[..]));
                     let (device, queue) = (&self.gpu.device, &self.gpu.queue);
                     self.paint = self.renderer.paint(device, queue, (size, &pixels), normals);
-                    if !same && model.is_painted() && self.controls.shading == Shading::Material {
+                    if !same
+                        && model.is_painted()
+                        && matches!(self.controls.shading, Shading::Material | Shading::Level)
+                    {
                         self.controls.shading = Shading::Texture;
                     }
                 }
@@ -395,7 +397,10 @@ impl Viewer {
             self.message = Some(error.to_string());
             self.controls.control = *scene.control();
         }
-        scene.measured(elapsed.as_secs_f64());
+        if self.follows {
+            scene.measured(elapsed.as_secs_f64());
+            self.frame_time = elapsed.as_secs_f32() * 1e3;
+        }
         let pose = self.hands.pose();
 
         let seen = self.frozen.as_ref().map_or((pose, lens), |frozen| (frozen.pose, frozen.lens));
@@ -409,11 +414,11 @@ impl Viewer {
         // A difference is one of surfaces.
         let wire = self.controls.wire && self.controls.layout != Layout::Difference;
         let overlays = Overlays { wire, written: self.controls.shading == Shading::Dirty };
-        scene.sync(device, &mut self.uploads, overlays.written);
-        self.sync_full(&scene);
+        scene.sync(device, &mut self.uploads, &self.renderer, overlays);
+        self.sync_full(&scene, overlays);
         let look = Look {
             tolerance: self.controls.tolerances.anywhere,
-            shading: self.controls.shading,
+            shading: self.shading(),
             flat: self.controls.flat,
             ..pose.look(&lens, scene.diagonal())
         };
@@ -445,12 +450,20 @@ impl Viewer {
             (change.cut.splits + change.cut.collapses) as f32,
             micros(self.adapted.time),
             micros(upload),
-            elapsed.as_secs_f32() * 1e3,
+            self.frame_time,
             self.uploaded.bytes() as f32,
             self.adapted.controlled.map_or(0.0, |controlled| controlled.output),
         ];
         self.history.push(numbers);
         self.scene = Some(scene);
+    }
+
+    /// What colours surfaces. A difference is one of what is seen, not of colours that tell which vertices are drawn.
+    fn shading(&self) -> Shading {
+        match (self.controls.layout, self.controls.shading) {
+            (Layout::Difference, Shading::Level | Shading::Error | Shading::Dirty) => Shading::Material,
+            (_, shading) => shading,
+        }
     }
 
     /// Before there is a scene: the backdrop.
@@ -486,7 +499,7 @@ impl Viewer {
     }
 
     /// The full mesh is there where it is shown, and only there.
-    fn sync_full(&mut self, scene: &Scene) {
+    fn sync_full(&mut self, scene: &Scene, overlays: Overlays) {
         if self.controls.layout == Layout::Nothing {
             self.full = None;
             return;
@@ -499,7 +512,7 @@ impl Viewer {
             self.full = full.ok();
         }
         if let Some(full) = &mut self.full {
-            full.sync(device, uploads, false);
+            full.sync(device, uploads, &self.renderer, Overlays { written: false, ..overlays });
         }
     }
 
