@@ -41,7 +41,8 @@ impl Writer {
     pub fn of_file(name: &str) -> Option<Self> {
         let (_, numbers) = name.strip_prefix('.')?.strip_suffix(END)?.rsplit_once('.')?;
         let mut numbers = numbers.split('-').map(|digits| u64::from_str_radix(digits, 16).ok());
-        let [space, process, started, _] = [(); 4].map(|()| numbers.next().flatten());
+        let [space, process, started, number] = [(); 4].map(|()| numbers.next().flatten());
+        number?;
         let writer =
             Self { space: space?.try_into().ok()?, process: process?.try_into().ok()?, started: started? };
         numbers.next().is_none().then_some(writer)
