@@ -84,7 +84,8 @@ impl<V: Vertex> HierarchyLod<V> {
     ) -> Self {
         let cut = Cut::new(hierarchy.split_count(), hierarchy.diagonal(), hierarchy.has_dependencies());
         let mut surface = CutSurface::new(&hierarchy, options.buffer == VertexBuffer::Packed);
-        let vertices = Vertices::new(values, &surface, mix, options.buffer == VertexBuffer::Shared);
+        let (places, shared) = (model.as_ref().map(Baked::vertices), options.buffer == VertexBuffer::Shared);
+        let vertices = Vertices::new(values, places, &surface, mix, shared);
         surface.clean_vertices();
         let mut lod = Self { hierarchy, model, driver: Driver::new(cut), surface, vertices };
         lod.apply(options);
@@ -111,7 +112,9 @@ impl<V: Vertex> HierarchyLod<V> {
             self.surface = CutSurface::at(hierarchy, packed, |split| self.driver.shows(split));
         }
         let values = self.vertices.values().clone();
-        self.vertices = Vertices::new(values, &self.surface, mix, options.buffer == VertexBuffer::Shared);
+        let places = self.model.as_ref().map(Baked::vertices);
+        self.vertices =
+            Vertices::new(values, places, &self.surface, mix, options.buffer == VertexBuffer::Shared);
         self.surface.clean_vertices();
         self.invalidate();
     }

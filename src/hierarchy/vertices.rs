@@ -9,12 +9,15 @@
 //! value, so nothing jumps. A closing vertex has reached its substitute before it is removed, so its removal is not
 //! visible. A substitute which is a new vertex counts as drawn at its current or future place.
 //!
+//! A vertex of the same point as its substitute (a wedge that was joined to another) has no way of its own: it goes the way of its
+//! substitute, with its own values, and only the share of these grows. So all vertices of a point are at one place at every moment.
+//!
 //! Only moving vertices cost anything: entries are a list, with the entry's place per vertex.
 
 use crate::adapt::{Dirty, DirtyRanges, Transition, Weights};
 use crate::geometry::paged::{Paged, trim, trim_to};
 use crate::lod::{Mix, Values, Vertex};
-use crate::mesh::NONE;
+use crate::mesh::{Mesh, NONE};
 
 use super::{CutSurface, VertexHierarchy};
 
@@ -28,6 +31,30 @@ struct Entry<V> {
     shown: V,
     /// Whether `shown` is up to date in this frame.
     done: bool,
+    /// Number of the motion: another one whenever it starts anew. A joined vertex has that of its substitute.
+    motion: u32,
+    /// End of the way: `None` for the vertex's own place.
+    goal: Option<V>,
+    /// Share of the way travelled.
+    share: f32,
+    joined: Option<Joined<V>>,
+}
+
+/// A moving vertex of the same point as its substitute.
+#[derive(Debug, Clone, Copy)]
+struct Joined<V> {
+    /// Start of the way that it would go by its substitute's motion, and where it is on this way.
+    start: V,
+    shown: V,
+    /// Motion of the substitute that `start` is the start of; `NONE` at rest.
+    motion: u32,
+}
+
+impl<V: Vertex> Entry<V> {
+    /// Returns the start of the way, at the place where the ways of all vertices of the point start.
+    fn way_start(&self) -> V {
+        self.joined.map_or(self.start, |joined| joined.start)
+    }
 }
 
 /// Moving vertices.
@@ -37,6 +64,10 @@ struct Moving<V> {
     /// Per vertex, its entry, or `NONE`.
     entry_of: Paged<u32, 6>,
     entries: Vec<Entry<V>>,
+    /// Number of motions so far.
+    motions: u32,
+    /// The structure's own vertices: they tell which vertices share a point.
+    places: Option<Mesh>,
     /// Entries which wait for their substitutes.
     chain: Vec<u32>,
     /// Vertices which came to rest in this frame, after moving or at once.
@@ -58,8 +89,14 @@ pub(super) struct Vertices<V> {
 
 impl<V: Vertex> Vertices<V> {
     /// Starts with all vertices at rest and to be uploaded. There must be as many `values` as vertices. `mix`: needed if
-    /// vertices may move.
-    pub fn new(values: Values<V>, surface: &CutSurface, mix: Option<Mix<V>>, shared: bool) -> Self {
+    /// vertices may move. `places`: the structure's own vertices.
+    pub fn new(
+        values: Values<V>,
+        places: Option<&Mesh>,
+        surface: &CutSurface,
+        mix: Option<Mix<V>>,
+        shared: bool,
+    ) -> Self {
         let count = values.len();
         let drawn = match (surface.vertices(), mix) {
             (Some(vertices), _) => Some(vertices.iter().map(|&vertex| values[vertex as usize]).collect()),
@@ -70,6 +107,8 @@ impl<V: Vertex> Vertices<V> {
             mix,
             entry_of: Paged::of(count, NONE),
             entries: Vec::new(),
+            motions: 0,
+            places: places.cloned(),
             chain: Vec::new(),
             rested: Vec::new(),
         });
@@ -219,14 +258,43 @@ impl<V: Vertex> Moving<V> {
         self.entry(vertex).map_or(values[vertex as usize], |entry| entry.shown)
     }
 
-    fn start(&mut self, split: u32, vertex: u32, from: V) {
-        let entry = Entry { vertex, split, start: from, shown: from, done: true };
-        match self.entry_of.at(vertex) {
-            NONE => {
-                *self.entry_of.entry(vertex) = self.entries.len() as u32;
-                self.entries.push(entry);
-            }
-            at => self.entries[at as usize] = entry,
+    /// Starts a vertex of a split from a value. `opens`: it comes in, else it turns round or goes out.
+    fn start(
+        &mut self,
+        (hierarchy, values): (&VertexHierarchy, &[V]),
+        (split, vertex): (u32, u32),
+        from: V,
+        opens: bool,
+    ) {
+        self.motions = self.motions.wrapping_add(1) % NONE;
+        let at = self.entry_of.at(vertex);
+        let known = self.entries.get(at as usize).and_then(|entry| entry.joined);
+        let own = values[vertex as usize];
+        let joined = known.or_else(|| {
+            let substitute = hierarchy.substitute[vertex as usize];
+            let on_its_way = self.entry(substitute).filter(|_| opens);
+            self.shares_point(vertex, substitute).then(|| match on_its_way {
+                Some(entry) => Joined { start: entry.way_start(), shown: entry.shown, motion: entry.motion },
+                None => Joined { start: own, shown: own, motion: NONE },
+            })
+        });
+        let motion = self.motions;
+        let entry = Entry {
+            vertex,
+            split,
+            start: from,
+            shown: from,
+            done: true,
+            motion,
+            goal: None,
+            share: 0.0,
+            joined,
+        };
+        if at == NONE {
+            *self.entry_of.entry(vertex) = self.entries.len() as u32;
+            self.entries.push(entry);
+        } else {
+            self.entries[at as usize] = entry;
         }
     }
 
@@ -240,12 +308,22 @@ impl<V: Vertex> Moving<V> {
         }
     }
 
+    /// Whether a vertex has the point of its substitute.
+    fn shares_point(&self, vertex: u32, substitute: u32) -> bool {
+        let places = self.places.as_ref().map(Mesh::positions);
+        let [a, b] = [vertex, substitute].map(|v| places.and_then(|places| places.get(v as usize)));
+        a.is_some() && a == b
+    }
+
     fn open(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32, smoothly: bool) {
         // In reverse, because a vertex taken later may be the substitute at which an earlier vertex starts.
         for &vertex in hierarchy.brings.get(split).iter().rev() {
-            if smoothly {
-                let from = self.shown(values, hierarchy.substitute[vertex as usize]);
-                self.start(split, vertex, from);
+            let substitute = hierarchy.substitute[vertex as usize];
+            // Its point may be on its way, seen or not.
+            let goes_along = self.entry(substitute).is_some() && self.shares_point(vertex, substitute);
+            if smoothly || goes_along {
+                let from = self.shown(values, substitute);
+                self.start((hierarchy, values), (split, vertex), from, true);
             } else {
                 self.remove(vertex);
                 self.rested.push(vertex);
@@ -256,7 +334,7 @@ impl<V: Vertex> Moving<V> {
     fn turn(&mut self, hierarchy: &VertexHierarchy, values: &[V], split: u32) {
         for &vertex in hierarchy.brings.get(split) {
             let from = self.shown(values, vertex);
-            self.start(split, vertex, from);
+            self.start((hierarchy, values), (split, vertex), from, false);
         }
     }
 
@@ -264,33 +342,60 @@ impl<V: Vertex> Moving<V> {
         hierarchy.brings.get(split).iter().for_each(|&vertex| self.remove(vertex));
     }
 
-    /// Computes the current value of an entry. If the entry moves to its substitute, computes the substitute's value
-    /// first.
+    /// Computes the current value of an entry. If the entry moves to its substitute or with it, computes the substitute's
+    /// value first.
     fn find(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights, mut at: u32) {
         loop {
-            let Entry { vertex, split, .. } = self.entries[at as usize];
+            let Entry { vertex, split, joined, .. } = self.entries[at as usize];
             let transition = weights.of(split);
-            let mut goal = values[vertex as usize];
-            if transition.is_some_and(Transition::is_closing) {
-                let substitute = hierarchy.substitute[vertex as usize];
-                let next = self.entry_of.at(substitute);
-                goal = match self.entries.get(next as usize) {
-                    Some(entry) if !entry.done => {
-                        self.chain.push(at);
-                        at = next;
-                        continue;
-                    }
-                    Some(entry) => entry.shown,
-                    None => values[substitute as usize],
-                };
+            let substitute = hierarchy.substitute[vertex as usize];
+            let closes = transition.is_some_and(Transition::is_closing);
+            let next = if closes || joined.is_some() { self.entry_of.at(substitute) } else { NONE };
+            let of_substitute = self.entries.get(next as usize);
+            if of_substitute.is_some_and(|entry| !entry.done) {
+                self.chain.push(at);
+                at = next;
+                continue;
             }
-            let share = transition.map_or(1.0, |transition| transition.share);
-            let entry = &mut self.entries[at as usize];
-            entry.shown = (self.mix.blend)(&entry.start, &goal, share);
-            entry.done = true;
+            if let Some(joined) = joined {
+                let (own, other) = (values[vertex as usize], values[substitute as usize]);
+                let weight = transition.map_or(1.0, Transition::weight);
+                self.go_along(at, joined, (own, other), next, weight);
+            } else {
+                let there = || of_substitute.map_or(values[substitute as usize], |entry| entry.shown);
+                let goal = closes.then(there);
+                let share = transition.map_or(1.0, |transition| transition.share);
+                let entry = &mut self.entries[at as usize];
+                let to = goal.unwrap_or(values[vertex as usize]);
+                entry.shown = (self.mix.blend)(&entry.start, &to, share);
+                (entry.goal, entry.share, entry.done) = (goal, share, true);
+            }
             let Some(waiting) = self.chain.pop() else { return };
             at = waiting;
         }
+    }
+
+    /// Computes the value of a joined vertex, of weight `weight`. `next`: its substitute's entry; `own`, `other`: values of both at
+    /// rest.
+    fn go_along(&mut self, at: u32, mut joined: Joined<V>, (own, other): (V, V), next: u32, weight: f32) {
+        let blend = self.mix.blend;
+        let (shown, goal, share) = match self.entries.get(next as usize) {
+            Some(substitute) => {
+                if joined.motion != substitute.motion {
+                    (joined.start, joined.motion) = (joined.shown, substitute.motion);
+                }
+                joined.shown = blend(&joined.start, &substitute.goal.unwrap_or(own), substitute.share);
+                (substitute.shown, substitute.goal, substitute.share)
+            }
+            None => {
+                (joined.shown, joined.motion) = (own, NONE);
+                (other, None, 1.0)
+            }
+        };
+        let entry = &mut self.entries[at as usize];
+        entry.shown = blend(&shown, &joined.shown, weight);
+        (entry.goal, entry.share, entry.done) = (goal, share, true);
+        (entry.motion, entry.joined) = (joined.motion, Some(joined));
     }
 
     fn advance(&mut self, hierarchy: &VertexHierarchy, values: &[V], weights: &Weights) {
@@ -303,8 +408,31 @@ impl<V: Vertex> Moving<V> {
         let there =
             weights.all().iter().filter(|transition| transition.is_over() && !transition.is_closing());
         for &vertex in there.flat_map(|transition| hierarchy.brings.get(transition.refinement)) {
-            self.remove(vertex);
-            self.rested.push(vertex);
+            if self.entry(vertex).is_none_or(|entry| entry.joined.is_none()) {
+                self.remove(vertex);
+                self.rested.push(vertex);
+            }
+        }
+        self.rest_joined(hierarchy, weights);
+    }
+
+    /// Forgets the motion of joined vertices which have come in and whose substitutes are at rest.
+    fn rest_joined(&mut self, hierarchy: &VertexHierarchy, weights: &Weights) {
+        loop {
+            let before = self.entries.len();
+            for at in (0..before).rev() {
+                let Some(&Entry { vertex, split, joined: Some(_), .. }) = self.entries.get(at) else {
+                    continue;
+                };
+                let is_in = weights.of(split).is_none_or(|own| own.is_over() && !own.is_closing());
+                if is_in && self.entry(hierarchy.substitute[vertex as usize]).is_none() {
+                    self.remove(vertex);
+                    self.rested.push(vertex);
+                }
+            }
+            if self.entries.len() == before {
+                return;
+            }
         }
     }
 }

@@ -15,6 +15,7 @@
 //! | `polygon.rs` | polygons to triangles |
 //! | `corners.rs` | values by corner and by face: vertices split where they differ |
 //! | `atomic.rs` | [`atomic`]: atomic writes of files |
+//! | `temporary_name.rs` | names of temporary files, which tell who writes them |
 //! | `baked.rs` | [`bake`] and [`unbake`]: any value in the baked container; [`Aligned`] bytes for files within a program |
 //! | `baked_3.rs` | files of format version 3 |
 //! | `model.rs` | [`read_model`], [`open_model`]: a baked model of any structure; for a known structure: [`Baked::read`](crate::lod::Baked::read), [`Baked::from_shared`](crate::lod::Baked::from_shared) |
@@ -39,6 +40,7 @@ mod ply;
 mod polygon;
 mod read_write;
 mod stl;
+mod temporary_name;
 mod text;
 
 pub use crate::lod::Stored;

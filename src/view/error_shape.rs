@@ -331,11 +331,12 @@ impl Shape {
         let mut sizes = [rounding::up(along.max(self.along)), rounding::up(across.max(self.across))];
         for _ in 0..4 {
             if Self::new(self.kind, self.axis, sizes[0], sizes[1]).holds(other) {
-                break;
+                return sizes;
             }
             sizes = sizes.map(|size| size.next_up().min(f32::MAX));
         }
-        sizes
+        // No half-length is large enough: the ball of the largest holds whatever single precision can tell.
+        [f32::MAX; 2]
     }
 
     /// Returns the spheroid about the own axis, no smaller than the own, containing `other`.

@@ -26,7 +26,7 @@ pub struct WaveletParts {
     /// Corners of faces at midpoints where the vertex differs from the wavelet's own: `[4 * face + corner, vertex]`, ascending.
     pub seams: Vec<[u32; 2]>,
     /// Sides of unsplit faces beside deeper neighbours across a seam, where the vertex differs from the wavelet's own:
-    /// `[wavelet, 4 * face + side, vertex]`, ordered by vertex. If empty, faces across a seam are split together.
+    /// `[wavelet, 4 * face + side, vertex]`, ordered by vertex. Empty if no such side differs.
     pub beside: Vec<[u32; 3]>,
     /// All vertices, without triangles: base vertices, each wavelet's own vertex, and further vertices at seams.
     pub vertices: Mesh,

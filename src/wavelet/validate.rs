@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!     base faces and what is along their sides   in range; no wavelet twice on a face or too often in all
-//!     grow level by level                        as many vertices as there are, no face dragged along across a seam
+//!     grow level by level                        as many vertices as there are
 //!     numbers of wavelets, bits, seams           those that come out are those that went in
 //!     values                                     as many as they should be; bounds nested
 //! ```
@@ -58,11 +58,6 @@ impl Seeds<'_> {
             if of.depth() > 0 && splits.div_ceil(2) > room.saturating_sub(of.wavelet_count()) {
                 return broken("more faces are split than there are vertices for, of level", of.depth());
             }
-            if self.beside.is_empty()
-                && let Some(face) = builder.first_dragged(&flags)
-            {
-                return broken("only the face across a seam is split, not face", face as usize);
-            }
             builder.split_only(&flags)?;
         }
         let least = self.base_vertices as usize + builder.subdivision().wavelet_count();
@@ -83,7 +78,7 @@ impl Seeds<'_> {
         };
         let of = match (self.seams, self.beside) {
             ([], []) => builder.finish_without_seams(),
-            (_, []) => builder.finish(key),
+            // Without `beside`, unsplit faces use the wavelet's own vertex at every wavelet.
             _ => builder.finish_beside(|of, wavelet, face, side, part| match of.is_split(face) {
                 true => key(of, face, side, part),
                 false => beside(wavelet, face, side),

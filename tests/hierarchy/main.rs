@@ -11,6 +11,7 @@ mod models;
 mod support;
 
 mod budget;
+mod closed_moves;
 mod cuts;
 mod every_model;
 mod geomorph;

@@ -5,6 +5,7 @@ mod models;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod atomic_links;
 mod baked;
 mod cases;
 mod formats;

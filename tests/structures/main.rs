@@ -9,6 +9,7 @@ mod gpu;
 mod support;
 
 mod baked_models;
+mod built_is_valid;
 mod gmesh;
 mod one_face;
 mod out_of_range;

@@ -9,6 +9,7 @@ mod subdivide;
 mod wavelet;
 
 mod atlas;
+mod atlas_order;
 mod budget;
 mod edit;
 mod geomorph;

@@ -39,8 +39,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
         let recorder = &self.recorder;
         self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
-        if shifts_features || self.breaks_topology || self.patch.opposite().is_empty() {
-            self.surface.reclassify_around(pair.kept);
+        let is_broken = self.breaks_topology || self.patch.opposite().is_empty();
+        if shifts_features || is_broken {
+            self.surface.reclassify_around(pair.kept, pair.lost, &self.patch, is_broken);
         }
         self.metric.update(&self.surface, MetricEvent::Collapsed { pair });
         self.tell(Some(pair.kept));

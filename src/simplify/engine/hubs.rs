@@ -129,6 +129,9 @@ impl<M: ErrorMetric> Engine<'_, M> {
     /// Wakes points asleep only because of hubs or of a guard limit grown since. Returns whether any point was woken.
     pub(super) fn wake_rest(&mut self) -> bool {
         let mut any = false;
+        for hub in self.surface.walk_hubs() {
+            self.remember(hub);
+        }
         let triangles = self.surface.live_triangles();
         // Visits everything around the hubs each time: wait until a share of the triangles is gone since.
         let is_time = triangles < self.hubs.woken_below;

@@ -69,10 +69,7 @@ impl Oracle for LinkCondition {
 /// and remove the sheet between them.
 #[cold]
 fn joins_curves(surface: &WorkingSurface, pair: Pair, third: u32) -> bool {
-    let is_curve = |end: u32| {
-        surface.edge_kind(end, third).is_some_and(|edge| edge & (kind::BORDER | kind::NON_MANIFOLD) != 0)
-    };
-    is_curve(pair.lost) && is_curve(pair.kept)
+    surface.ends_sheet(pair.lost, third) && surface.is_curve_edge(pair.kept, third)
 }
 
 /// Whether at least two triangles share an edge.

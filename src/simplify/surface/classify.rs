@@ -5,6 +5,7 @@
 
 use crate::geometry::sets::Sets;
 use crate::mesh::NONE;
+use crate::simplify::surface::patch::Patch;
 use crate::simplify::surface::{Corner, WorkingSurface};
 
 use super::sheets::{LayerEdge, edge_between};
@@ -33,6 +34,11 @@ pub(crate) mod kind {
     pub const FEATURE: u16 = BORDER | NON_MANIFOLD | SEAM | MATERIAL;
 }
 
+/// Points with more triangles are not walked at every change.
+const LARGE_HUB: usize = 512;
+/// A large hub is walked again after valence / HUB_SHARE changes.
+const HUB_SHARE: usize = 16;
+
 impl WorkingSurface {
     /// Whether edges of this kind must stay edges.
     pub(crate) fn holds(&self, bit: u16) -> bool {
@@ -53,19 +59,77 @@ impl WorkingSurface {
         }
     }
 
-    /// Classifies a point and its neighbours again, after two parts were joined there or a feature moved.
-    pub(crate) fn reclassify_around(&mut self, point: u32) {
+    /// Classifies a point and its neighbours again, after `lost` was merged into it by the collapse of a patch which joined two
+    /// parts, broke the topology (`is_broken`) or moved a feature.
+    ///
+    /// A hub is walked only once a share of its triangles has changed: each walk at each merge would take quadratic time. Until
+    /// then it counts as everything that it may have become, so rules refuse rather more than they would.
+    pub(crate) fn reclassify_around(&mut self, point: u32, lost: u32, patch: &Patch, is_broken: bool) {
+        let mut gained = self.kinds[lost as usize] & (kind::FEATURE | kind::IRREGULAR);
+        if is_broken {
+            gained |= kind::NON_MANIFOLD | kind::IRREGULAR;
+        }
+        let is_walked = self.classify_in_time(point, gained);
         let mut around = std::mem::take(&mut self.scratch.moved);
         around.clear();
-        around.extend(self.star(point).flat_map(|corner| corner.others));
+        if is_walked {
+            around.extend(self.star(point).flat_map(|corner| corner.others));
+        } else {
+            // Other neighbours have the triangles that they had.
+            around.extend(patch.facets_of_lost().iter().flat_map(|facet| facet.others));
+            around.extend(patch.opposite());
+        }
         // Visit each neighbour once: a neighbour may be a hub, and share many triangles with this point.
         around.sort_unstable();
         around.dedup();
-        self.classify_point(point);
         for &neighbour in &around {
-            self.classify_point(neighbour);
+            self.classify_in_time(neighbour, gained);
         }
         self.scratch.moved = around;
+    }
+
+    /// Classifies the large hubs which have changed since their last walks. Returns them.
+    pub(crate) fn walk_hubs(&mut self) -> Vec<u32> {
+        let mut hubs = std::mem::take(&mut self.scratch.unwalked_hubs);
+        hubs.retain(|&hub| std::mem::take(&mut self.scratch.unwalked[hub as usize]) > 0);
+        for &hub in &hubs {
+            self.classify_point(hub);
+        }
+        hubs
+    }
+
+    /// Classifies a point, or adds what it may have gained to a large hub walked a few changes ago. Whether it was walked.
+    fn classify_in_time(&mut self, point: u32, gained: u16) -> bool {
+        let is_time = self.is_time_to_walk(point);
+        if is_time {
+            self.classify_point(point);
+        } else {
+            // Whether two features meet there is unknown.
+            let kinds = &mut self.kinds[point as usize];
+            *kinds = (*kinds | gained) & !kind::CURVE;
+        }
+        is_time
+    }
+
+    /// Counts a change around a point. Whether it may be walked: always, except for a large hub walked a few changes ago.
+    fn is_time_to_walk(&mut self, point: u32) -> bool {
+        let valence = self.valence(point);
+        if valence <= LARGE_HUB {
+            return true;
+        }
+        if self.scratch.unwalked.is_empty() {
+            self.scratch.unwalked = vec![0; self.positions.len()];
+        }
+        let changes = &mut self.scratch.unwalked[point as usize];
+        if *changes == 0 {
+            self.scratch.unwalked_hubs.push(point);
+        }
+        *changes += 1;
+        let is_time = *changes as usize >= valence / HUB_SHARE;
+        if is_time {
+            *changes = 0;
+        }
+        is_time
     }
 
     /// Whether the triangles around a point form a single closed ring with consistent orientation; only tried for
@@ -236,6 +300,15 @@ impl WorkingSurface {
             2 => Some(bits),
             _ => Some(bits | kind::NON_MANIFOLD),
         }
+    }
+
+    /// Whether two points share an edge on a border or of three or more triangles, of the kinds which must stay. Stops at the
+    /// third triangle.
+    pub(crate) fn ends_sheet(&self, u: u32, v: u32) -> bool {
+        let (from, to) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
+        let has_third = || self.star(from).filter(|corner| corner.others.contains(&to)).nth(2).is_some();
+        self.holds(kind::NON_MANIFOLD) && has_third()
+            || self.edge_kind(u, v).is_some_and(|edge| edge & (kind::BORDER | kind::NON_MANIFOLD) != 0)
     }
 
     /// Whether two points share an edge of a kind other than ordinary. Stops early: the third triangle on an edge

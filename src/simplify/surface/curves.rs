@@ -202,6 +202,8 @@ impl Curves {
 
 /// Whether triangles on an edge meet at the angle of a crease.
 fn is_bent(surface: &WorkingSurface, u: u32, v: u32) -> bool {
+    // Walk the end with fewer triangles: the other end may be a hub. Both list them in the order of their numbers.
+    let (u, v) = if surface.valence(u) <= surface.valence(v) { (u, v) } else { (v, u) };
     let (mut first, mut bent) = (None, false);
     surface.for_shared_triangles(u, v, |triangle| {
         let Some([p, q, r]) = surface.triangle(triangle).map(|points| points.map(|p| surface.at(p))) else {

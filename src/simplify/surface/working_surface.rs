@@ -117,6 +117,9 @@ pub(crate) struct Scratch {
     pub(crate) moved: Vec<u32>,
     pub(crate) neighbours: Vec<u32>,
     pub(crate) seen: Vec<SeenNeighbour>,
+    /// Per point the changes since its last walk, for large hubs; empty until there is one.
+    pub(crate) unwalked: Vec<u32>,
+    pub(crate) unwalked_hubs: Vec<u32>,
     /// Edges around a point: the other point, and the vertices at both ends.
     pub(crate) ends: Vec<[u32; 3]>,
 }

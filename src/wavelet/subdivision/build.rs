@@ -4,6 +4,7 @@
 //! edge runs in a single direction, its wavelet's: on the base from the lower end, a half as its whole edge, an inside
 //! edge as the side of the central child.
 
+use crate::geometry::lists::Lists;
 use crate::mesh::NONE;
 use crate::wavelet::WaveletError;
 
@@ -73,43 +74,24 @@ impl SubdivisionBuilder {
         self.done.faces_of(self.done.depth())
     }
 
-    /// Marks the seam edges of split faces.
-    fn interior_seams(&self, split: &[bool]) -> Vec<bool> {
-        let mut interior_seams = vec![false; self.edge_count];
-        for (edges, _) in self.edges.iter().zip(split).filter(|(_, split)| **split) {
-            edges.iter().for_each(|&edge| interior_seams[edge as usize] = self.seam[edge as usize]);
-        }
-        interior_seams
-    }
-
-    /// Returns the first face of the last level split only because of a face across a seam. O(faces of the level).
-    pub fn first_dragged(&self, split: &[bool]) -> Option<u32> {
-        if !self.seam.contains(&true) {
-            return None;
-        }
-        let interior_seams = self.interior_seams(split);
-        let is_torn = |(edges, split): (&[u32; 3], &bool)| {
-            !*split && edges.iter().any(|&edge| interior_seams[edge as usize])
-        };
-        let at = self.edges.iter().zip(split).position(is_torn)?;
-        Some(self.last_level().start + at as u32)
-    }
-
-    /// Also splits the faces across a seam from split faces, so each side of a seam has its own vertices.
+    /// Also splits the faces across a seam from split faces, so each side of a seam has its own vertices. O(faces of the level).
     fn close(&self, split: &mut [bool]) {
         if !self.seam.contains(&true) {
             return;
         }
-        loop {
-            let interior_seams = self.interior_seams(split);
-            let mut more = false;
-            for (edges, split) in self.edges.iter().zip(split.iter_mut()) {
-                if !*split && edges.iter().any(|&edge| interior_seams[edge as usize]) {
-                    (*split, more) = (true, true);
+        let on_seams = |face: usize| self.edges[face].into_iter().filter(|&edge| self.seam[edge as usize]);
+        let sides =
+            (0..self.edges.len()).flat_map(|face| on_seams(face).map(move |edge| (edge, face as u32)));
+        let faces_on = Lists::from_pairs(self.edge_count, sides);
+        let mut reached = vec![false; self.edge_count];
+        let mut waiting: Vec<usize> = (0..split.len()).filter(|&face| split[face]).collect();
+        while let Some(face) = waiting.pop() {
+            for edge in on_seams(face).filter(|&edge| !std::mem::replace(&mut reached[edge as usize], true)) {
+                for &beyond in faces_on.get(edge) {
+                    if !std::mem::replace(&mut split[beyond as usize], true) {
+                        waiting.push(beyond as usize);
+                    }
                 }
-            }
-            if !more {
-                return;
             }
         }
     }
