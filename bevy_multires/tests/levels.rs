@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_multires::{AutoLod, DrawnLod, Ladder, LodBuilt, LodCache, LodSettings, LodStats, NoAutoLod};
 use support::{add, app, built, camera, level, list, mesh_of, move_to, rock, triangles, until};
 
-const DISTANCES: [f32; 6] = [1.5, 4.0, 10.0, 30.0, 100.0, 1000.0];
+const DISTANCES: [f32; 7] = [1.5, 10.0, 40.0, 100.0, 200.0, 500.0, 10_000.0];
 
 #[test]
 fn farther_is_coarser_and_within_the_tolerance() {
@@ -20,7 +20,7 @@ fn farther_is_coarser_and_within_the_tolerance() {
 
     let levels = app.world().resource::<LodCache>().levels(&mesh).expect("they are built").clone();
     assert!(levels.coarser().len() >= 5);
-    assert_eq!(levels.triangles(0), 4_000);
+    assert_eq!(levels.triangles(0), triangles(&app, model));
     let mut last = 0;
     for distance in DISTANCES {
         move_to(&mut app, eye, Vec3::Z * distance);
@@ -116,7 +116,7 @@ fn one_camera_shakes_and_nothing_switches() {
 fn entities_with_one_mesh_share_one_build_and_its_levels() {
     let mut app = app();
     let mesh = add(&mut app, rock(2_000));
-    app.world_mut().spawn(camera(Vec3::Z * 30.0));
+    app.world_mut().spawn(camera(Vec3::Z * 200.0));
     let models: Vec<Entity> =
         (0..50).map(|_| app.world_mut().spawn((Mesh3d(mesh.clone()), AutoLod::default())).id()).collect();
     built(&mut app, &models);
@@ -138,7 +138,7 @@ fn entities_with_one_mesh_share_one_build_and_its_levels() {
 #[test]
 fn switching_changes_no_mesh() {
     let mut app = app();
-    let mesh = add(&mut app, rock(2_000));
+    let mesh = add(&mut app, rock(20_000));
     let eye = app.world_mut().spawn(camera(Vec3::Z * 2.0)).id();
     let model = app.world_mut().spawn((Mesh3d(mesh), AutoLod::default())).id();
     built(&mut app, &[model]);
@@ -299,16 +299,19 @@ fn a_mesh_that_changes_gets_new_levels() {
     built(&mut app, &[model]);
 
     // The asset changes.
-    app.world_mut().resource_mut::<Assets<Mesh>>().insert(mesh.id(), rock(8_000)).expect("it is there");
+    let count = |mesh: &Mesh| mesh.indices().map(|indices| indices.len() / 3);
+    let (large, small) = (rock(8_000), rock(1_000));
+    let counts = [&large, &small].map(count);
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(mesh.id(), large).expect("it is there");
     app.update();
     let full = |app: &App| app.world().get::<DrawnLod>(model).and_then(DrawnLod::full_triangles);
-    until(&mut app, "levels of the new mesh", |app| full(app) == Some(8_000));
+    until(&mut app, "levels of the new mesh", |app| full(app) == counts[0]);
     until(&mut app, "a level", |app| level(app, model) > 0);
 
     // The entity gets another mesh.
-    let other = add(&mut app, rock(1_000));
+    let other = add(&mut app, small);
     app.world_mut().get_mut::<Mesh3d>(model).expect("it has a mesh").0 = other.clone();
-    until(&mut app, "levels of the other mesh", |app| full(app) == Some(1_000));
+    until(&mut app, "levels of the other mesh", |app| full(app) == counts[1]);
     assert_eq!(app.world().get::<DrawnLod>(model).map(|lod| lod.source().id()), Some(other.id()));
 }
 
@@ -335,20 +338,24 @@ fn the_ladder_says_which_levels_there_are() {
     let levels = app.world().resource::<LodCache>().levels(&mesh).expect("they are built");
     let counts: Vec<usize> = levels.coarser().iter().map(|level| level.triangles).collect();
     assert_eq!(counts.len(), 2);
-    assert!((4_900..=5_000).contains(&counts[0]) && (1_200..=1_250).contains(&counts[1]));
+    // A step takes a few triangles away, so a level may have a few less.
+    let quarters = [levels.triangles(0) / 4, levels.triangles(0) / 16];
+    assert!(counts.iter().zip(quarters).all(|(&count, most)| (most - most / 50..=most).contains(&count)));
     assert!(mesh_of(&app, model).count_vertices() > 0);
 }
 
 #[test]
 fn a_build_tells_how_far_it_is() {
     let mut app = app();
-    let mesh = add(&mut app, rock(60_000));
+    let rock = rock(60_000);
+    let full = rock.indices().map_or(0, Indices::len) / 3;
+    let mesh = add(&mut app, rock);
     let model = app.world_mut().spawn((Mesh3d(mesh.clone()), AutoLod::default())).id();
     let mut shares = Vec::new();
     until(&mut app, "levels are built", |app| {
         let cache = app.world().resource::<LodCache>();
         shares.extend(cache.progress(&mesh));
-        assert_eq!(triangles(app, model), 60_000); // drawn as it is until then; no camera chooses a level
+        assert_eq!(triangles(app, model), full); // drawn as it is until then; no camera chooses a level
         cache.levels(&mesh).is_some()
     });
     assert!(shares.is_sorted() && shares.iter().any(|share| (0.1..1.0).contains(share)), "{shares:?}");
