@@ -4,10 +4,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
+use bevy::math::Vec3;
 use bevy::mesh::Mesh as BevyMesh;
 use multires::hierarchy::{HierarchyError, VertexHierarchy};
-use multires::lod::{Level, Model, Structure};
-use multires::tom::{TomError, TotallyOrderedMesh};
+use multires::lod::{Model, Structure};
+use multires::mesh::names;
+use multires::simplify::{AttributeDeviation, Normals, NormalsDone, OptionError, Simplifier};
 
 use crate::convert::{self, ConvertError, from_bevy};
 
@@ -23,7 +25,10 @@ pub enum BuildError {
     Degenerate,
     /// The mesh cannot be simplified.
     #[error(transparent)]
-    Levels(#[from] TomError),
+    Levels(#[from] OptionError),
+    /// The mesh went, or changed, while its levels were being built.
+    #[error("the mesh went while its levels were being built")]
+    Cancelled,
     /// The vertex hierarchy cannot be built.
     #[error(transparent)]
     Hierarchy(#[from] HierarchyError),
@@ -124,53 +129,83 @@ impl Progress {
     }
 }
 
+/// Share of a build's time taken by the simplification.
+const SIMPLIFICATION: f32 = 0.8;
+
 /// A level of detail, not an asset yet.
 pub(crate) struct BuiltLevel {
     pub mesh: BevyMesh,
-    /// Bound for its error, object units.
+    /// As [`LodLevel::error`](crate::LodLevel::error).
     pub error: f32,
 }
 
-/// Builds the levels of a mesh, fine to coarse, without the mesh itself. Each holds a prefix of the same order of vertices.
+/// Builds the levels of a mesh, fine to coarse, without the mesh itself. Vertices of levels are vertices of the mesh. Normals, colours,
+/// texture coordinates and morph targets are fitted to the mesh, because a value that is right at a vertex of a large triangle is wrong
+/// within it.
 pub(crate) fn levels(
     source: &BevyMesh,
     ladder: &Ladder,
     progress: &Progress,
 ) -> Result<Vec<BuiltLevel>, BuildError> {
-    let (mesh, _) = from_bevy(source)?;
-    let mut steps = ladder.steps(mesh.triangles().len()).peekable();
-    if steps.peek().is_none() && !mesh.triangles().is_empty() {
+    let (mesh, layout) = from_bevy(source)?;
+    let steps: Vec<usize> = ladder.steps(mesh.triangles().len()).collect();
+    if steps.is_empty() && !mesh.triangles().is_empty() {
         return Ok(Vec::new());
     }
-    let model = TotallyOrderedMesh::bake_with(&mesh, &Default::default(), |share| progress.step(share))?;
-    let tom = model.structure();
-    if tom.triangle_count() == 0 {
+    let mut broke = progress.step(0.0);
+    let mut simplifier = Simplifier::new().normals(normals(&mesh)?);
+    let sequence = simplifier.run_with(&mesh, |at| {
+        broke = progress.step(SIMPLIFICATION * at.fraction());
+        broke
+    })?;
+    if sequence.triangles_after(0) == 0 {
         return Err(BuildError::Degenerate);
     }
-    let mut all = convert::gather(source, model.origins().order())?;
-    // Vertices along cracks may have moved by a rounding error.
-    all.try_insert_attribute(BevyMesh::ATTRIBUTE_POSITION, model.vertices().positions().to_vec())
-        .map_err(ConvertError::from)?;
-    all.final_aabb = source.final_aabb.or_else(|| aabb(&mesh));
-
-    let short = convert::is_short(source);
+    let aabb = source.final_aabb.or_else(|| aabb(&mesh));
     let mut levels: Vec<BuiltLevel> = Vec::new();
     let mut last = mesh.triangles().len();
-    let mut indices = Vec::new();
-    for step in steps {
-        let resolution = tom.at(Level::Triangles(step));
+    let extracting = (1.0 - SIMPLIFICATION) / steps.len().max(1) as f32;
+    for (at, most) in steps.into_iter().enumerate() {
+        if broke.is_break() || progress.step(SIMPLIFICATION + extracting * at as f32).is_break() {
+            return Err(BuildError::Cancelled);
+        }
+        let step = sequence.steps_for_triangles(most);
+        let triangles = sequence.triangles_after(step);
         // Where the mesh gives no more, another level would only take memory.
-        if resolution.triangles() as f64 > 0.9 * last as f64 || resolution.triangles() == 0 {
+        if triangles == 0 || triangles as f64 > 0.9 * last as f64 {
             break;
         }
-        last = resolution.triangles();
-        tom.fill_indices(resolution, &mut indices);
-        let order: Vec<u32> = (0..resolution.vertices() as u32).collect();
-        let mut mesh = convert::gather(&all, &order)?;
-        mesh.try_insert_indices(convert::indices(&indices, short)).map_err(ConvertError::from)?;
-        levels.push(BuiltLevel { mesh, error: resolution.error() });
+        last = triangles;
+        let level = sequence.extract_fitted(&mesh, step);
+        let shading = shading_error(&level, &sequence.attribute_deviations(&mesh, step, &level));
+        // Ascending, as the errors of the surface are.
+        let before = levels.last().map_or(0.0, |level| level.error);
+        let error = sequence.error_after(step).max(shading).max(before);
+        let mut level = layout.to_bevy(&level)?;
+        level.final_aabb = aabb;
+        levels.push(BuiltLevel { mesh: level, error });
     }
     Ok(levels)
+}
+
+/// Returns the distance by which the surface of a level is off as its normals tell: `angle * edge / 2`, object units. Light shows it even
+/// where the surface is in place. `angle` is the mean deviation of normals, `edge` the side of a square of two triangles of mean area.
+fn shading_error(level: &multires::Mesh, deviations: &[AttributeDeviation]) -> f32 {
+    let Some(normals) = deviations.iter().find(|of| of.name == names::NORMAL) else { return 0.0 };
+    let place = |corner: u32| Vec3::from(level.positions()[corner as usize]).as_dvec3();
+    let double_area = |&[a, b, c]: &[u32; 3]| (place(b) - place(a)).cross(place(c) - place(a)).length();
+    let area: f64 = level.triangles().iter().map(double_area).sum();
+    let edge = (area / level.triangles().len().max(1) as f64).sqrt();
+    (0.5 * normals.mean.to_radians() * edge) as f32
+}
+
+/// Returns the treatment of a mesh's normals. Where every face has normals of its own, each level gets new ones: kept, they would hold
+/// all vertices.
+fn normals(mesh: &multires::Mesh) -> Result<Normals, OptionError> {
+    Ok(match Normals::Automatic.resolve(mesh)? {
+        NormalsDone::Recomputed(_) => Normals::Recompute { crease_angle: None },
+        _ => Normals::Keep,
+    })
 }
 
 /// A model that follows the view: the structure, and its vertices as Bevy's attributes. Values of its instances are numbers of vertices.

@@ -220,7 +220,8 @@ fn a_mesh_for_each_material() {
     let count = |mesh: &Mesh| mesh.indices().map_or(0, Indices::len) / 3;
     assert_eq!(parts.iter().map(|(_, part)| count(part)).sum::<usize>(), plate.triangles().len());
     for (_, part) in &parts {
-        let used: BTreeSet<usize> = part.indices().map(|indices| indices.iter().collect()).unwrap_or_default();
+        let used: BTreeSet<usize> =
+            part.indices().map(|indices| indices.iter().collect()).unwrap_or_default();
         assert_eq!(used.len(), part.count_vertices()); // none besides
     }
 }

@@ -14,7 +14,10 @@ const DISTANCES: [f32; 7] = [1.5, 10.0, 40.0, 100.0, 200.0, 500.0, 10_000.0];
 fn farther_is_coarser_and_within_the_tolerance() {
     let mut app = app();
     let mesh = add(&mut app, rock(4_000));
-    let model = app.world_mut().spawn((Mesh3d(mesh.clone()), AutoLod::default().with_hysteresis(0.0))).id();
+    let model = app
+        .world_mut()
+        .spawn((Mesh3d(mesh.clone()), AutoLod::default().with_tolerance_px(1.0).with_hysteresis(0.0)))
+        .id();
     let eye = app.world_mut().spawn(camera(Vec3::Z * 2.0)).id();
     built(&mut app, &[model]);
 

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat, TextureUsages};
-use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
+use bevy::render::renderer::RenderDevice;
 use bevy::render::{Render, RenderApp};
 use bevy::tasks::block_on;
 use bevy::window::{ExitCondition, WindowPlugin};
