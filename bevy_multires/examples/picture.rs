@@ -1,5 +1,7 @@
 //! The README's picture and figures, without a window: `cargo run --release -p bevy_multires --example picture`
 //!
+//! With `conversion`, `models` or `terrain` behind it, only that.
+//!
 //! Draws 500 models with levels and without, writes both pictures to `target/bevy_multires/`, and prints triangles, frame times, the
 //! difference, what a flight over a terrain uploads, and how long a conversion takes.
 
@@ -25,7 +27,8 @@ const FRAMES: usize = 5;
 
 fn main() -> ExitCode {
     let folder = Path::new("target/bevy_multires");
-    match run(folder) {
+    let what = std::env::args().nth(1);
+    match run(folder, what.as_deref()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
@@ -34,11 +37,19 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
+fn run(folder: &Path, what: Option<&str>) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
-    convert();
-    models(folder)?;
-    terrain(folder)
+    let wanted = |name| what.is_none_or(|what| what == name);
+    if wanted("conversion") {
+        convert();
+    }
+    if wanted("models") {
+        models(folder)?;
+    }
+    if wanted("terrain") {
+        terrain(folder)?;
+    }
+    Ok(())
 }
 
 /// Converts a mesh of 100,000 triangles there and back.
@@ -102,7 +113,7 @@ fn terrain(folder: &Path) -> Result<(), Box<dyn Error>> {
     let mut headless =
         Headless::new(SIZE, place(0), scene::SKY, |_| {}).ok_or("there is no adapter to draw with")?;
     let world = headless.app.world_mut();
-    let mesh = to_bevy(&shapes::terrain(512, 5))?.with_computed_smooth_normals();
+    let mesh = to_bevy(&shapes::terrain(512, 5))?.with_computed_area_weighted_normals();
     let bytes = mesh.get_vertex_buffer_size() + mesh.get_index_buffer_bytes().map_or(0, <[u8]>::len);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
     let paint = world.resource_mut::<Assets<StandardMaterial>>().add(Color::srgb(0.5, 0.55, 0.4));

@@ -108,12 +108,11 @@ fn reset(mut entities: Query<Attached>, outdated: Res<Outdated>, mut commands: C
     }
 }
 
+/// Entities that [`LodSettings::all`] is for.
+type Plain = (With<Mesh3d>, Without<AutoLod>, Without<NoAutoLod>);
+
 /// Gives all entities with meshes [`AutoLod`], if the settings say so.
-fn adopt(
-    entities: Query<Entity, (With<Mesh3d>, Without<AutoLod>, Without<NoAutoLod>)>,
-    settings: Res<LodSettings>,
-    mut commands: Commands,
-) {
+fn adopt(entities: Query<Entity, Plain>, settings: Res<LodSettings>, mut commands: Commands) {
     if let Some(all) = settings.all {
         for entity in &entities {
             commands.entity(entity).try_insert(all);
@@ -191,11 +190,12 @@ fn attach(
     }
 }
 
-/// An active camera, its view and its layers.
-type Eyes = Vec<(View, RenderLayers)>;
+/// What [`eyes`] looks at.
+type Cameras<'w, 's> =
+    Query<'w, 's, (&'static Camera, &'static GlobalTransform, Option<&'static RenderLayers>), With<Camera3d>>;
 
-/// Returns the views of the active cameras.
-fn eyes(cameras: &Query<(&Camera, &GlobalTransform, Option<&RenderLayers>), With<Camera3d>>) -> Eyes {
+/// Returns the views of the active cameras, with their layers.
+fn eyes(cameras: &Cameras) -> Vec<(View, RenderLayers)> {
     let mut eyes = Vec::new();
     for (camera, place, layers) in cameras {
         let Some(size) = camera.physical_viewport_size().filter(|_| camera.is_active) else { continue };
@@ -219,11 +219,7 @@ type Leveled = (
 );
 
 /// Chooses the levels of all entities.
-fn choose(
-    mut entities: Query<Leveled>,
-    cameras: Query<(&Camera, &GlobalTransform, Option<&RenderLayers>), With<Camera3d>>,
-    settings: Res<LodSettings>,
-) {
+fn choose(mut entities: Query<Leveled>, cameras: Cameras, settings: Res<LodSettings>) {
     let eyes = eyes(&cameras);
     if eyes.is_empty() || !settings.enabled {
         return;
@@ -271,7 +267,7 @@ type Followed = (
 /// Lets meshes follow the view.
 fn follow(
     mut entities: Query<Followed>,
-    cameras: Query<(&Camera, &GlobalTransform, Option<&RenderLayers>), With<Camera3d>>,
+    cameras: Cameras,
     settings: Res<LodSettings>,
     time: Option<Res<Time>>,
     mut meshes: ResMut<Assets<Mesh>>,

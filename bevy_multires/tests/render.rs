@@ -34,9 +34,12 @@ fn assert_shows(pixels: &[u8]) {
     assert!(!pixels.is_empty() && difference(pixels, &pixels[..4].repeat(pixels.len() / 4)) > 2.0);
 }
 
-/// Bytes of meshes that went to the render world, and their number.
+/// A mesh that went to the render world, and its bytes.
+type Upload = (AssetId<Mesh>, usize);
+
+/// Meshes that went to the render world.
 #[derive(Resource, Clone, Default)]
-struct Uploads(Arc<Mutex<Vec<(AssetId<Mesh>, usize)>>>);
+struct Uploads(Arc<Mutex<Vec<Upload>>>);
 
 impl Uploads {
     fn watch(&self, app: &mut App) {
@@ -44,7 +47,7 @@ impl Uploads {
         render.insert_resource(self.clone()).add_systems(Render, record.before(RenderSystems::PrepareAssets));
     }
 
-    fn take(&self) -> Vec<(AssetId<Mesh>, usize)> {
+    fn take(&self) -> Vec<Upload> {
         std::mem::take(&mut self.0.lock().expect("no test panicked within"))
     }
 }
@@ -97,8 +100,9 @@ fn switching_levels_uploads_nothing_and_following_uploads_whole_meshes() {
     let app = &mut headless.app;
     let uploads = Uploads::default();
     uploads.watch(app);
-    let rock =
-        convert::to_bevy(&shapes::rock(4_000, 1)).expect("a legal mesh").with_computed_smooth_normals();
+    let rock = convert::to_bevy(&shapes::rock(4_000, 1))
+        .expect("a legal mesh")
+        .with_computed_area_weighted_normals();
     let rock = app.world_mut().resource_mut::<Assets<Mesh>>().add(rock);
     let paint = app.world_mut().resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
     let models: Vec<Entity> = (0..20)

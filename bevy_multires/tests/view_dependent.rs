@@ -11,7 +11,7 @@ use support::{add, app, built, camera, mesh_of, move_to, triangles, until};
 
 /// Hills from -1 to 1.
 fn terrain() -> Mesh {
-    convert::to_bevy(&shapes::terrain(96, 3)).expect("a legal mesh").with_computed_smooth_normals()
+    convert::to_bevy(&shapes::terrain(96, 3)).expect("a legal mesh").with_computed_area_weighted_normals()
 }
 
 /// Returns the number of triangles with all corners at an `x` above 0, and below.

@@ -15,7 +15,7 @@ fn screen() -> Option<Command> {
     let found = Command::new("xvfb-run").arg("--help").output().is_ok_and(|output| output.status.success());
     found.then(|| {
         let mut command = Command::new("xvfb-run");
-        command.arg("-a").arg("-s").arg("-screen 0 1280x720x24").arg(example);
+        command.arg("-a").arg("--server-args=-screen 0 1280x720x24").arg(example);
         command
     })
 }

@@ -69,14 +69,6 @@ impl Headless {
         Some(Self { app, size, pixels: Arc::default(), image })
     }
 
-    /// Returns the name of the adapter.
-    pub fn adapter(&self) -> String {
-        self.app
-            .world()
-            .get_resource::<RenderAdapterInfo>()
-            .map_or_else(String::new, |info| info.name.clone())
-    }
-
     /// Draws frames until all levels are built and all pipelines compiled.
     pub fn settle(&mut self) {
         let mut still = 0;

@@ -35,11 +35,11 @@ fn standing(shape: &multires::Mesh) -> Option<Mesh> {
     let [low, high] = shape.bounds()?.map(Vec3::from);
     let scale = 2.0 / (high - low).max_element();
     let middle = Vec3::new(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z));
-    let mesh = to_bevy(&shape).inspect_err(|error| error!("a shape is left out: {error}")).ok()?;
+    let mesh = to_bevy(shape).inspect_err(|error| error!("a shape is left out: {error}")).ok()?;
     let mesh = if mesh.contains_attribute(Mesh::ATTRIBUTE_NORMAL) {
         mesh
     } else {
-        mesh.with_computed_smooth_normals()
+        mesh.with_computed_area_weighted_normals()
     };
     Some(mesh.translated_by(-middle).scaled_by(Vec3::splat(scale)))
 }
