@@ -54,7 +54,7 @@ fn run(folder: &Path, what: Option<&str>) -> Result<(), Box<dyn Error>> {
 
 /// Converts a mesh of 100,000 triangles there and back.
 fn convert() {
-    let mesh = Mesh::from(Torus::new(0.5, 1.0).mesh().major_resolution(500).minor_resolution(100).build());
+    let mesh = Torus::new(0.5, 1.0).mesh().major_resolution(500).minor_resolution(100).build();
     let mut times = Vec::new();
     let mut equal = true;
     for _ in 0..15 {

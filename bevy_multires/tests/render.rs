@@ -64,7 +64,7 @@ fn the_same_picture_of_a_quarter_of_the_triangles() {
     let field = Field { models: 500, triangles: 8_000 };
     let Some(mut headless) = drawing(
         "the_same_picture_of_a_quarter_of_the_triangles",
-        UVec2::new(640, 360),
+        UVec2::new(800, 450),
         scene::eye(&field),
         |app| {
             app.insert_resource(field).add_systems(Startup, scene::spawn);
