@@ -93,9 +93,13 @@ const handlers = {
     stage.resize(width, height);
   },
   async snapshot() {
-    // A canvas holds what was drawn until its task ends.
-    stage.draw();
-    postMessage({ type: 'snapshot', blob: await canvas.convertToBlob() });
+    stage.start_reading();
+    let pixels;
+    while (!(pixels = stage.read())) await new Promise((resolve) => setTimeout(resolve, 5));
+    const paper = new OffscreenCanvas(canvas.width, canvas.height);
+    const image = new ImageData(new Uint8ClampedArray(pixels), canvas.width, canvas.height);
+    paper.getContext('2d').putImageData(image, 0, 0);
+    postMessage({ type: 'snapshot', blob: await paper.convertToBlob() });
   },
 };
 

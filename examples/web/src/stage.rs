@@ -6,7 +6,9 @@ use multires::adapt::Geomorph;
 use multires::lod::LodOptions;
 use multires_viewer::camera::{Lens, Orbit, Pose, Tolerances};
 use multires_viewer::gpu::Gpu;
-use multires_viewer::renderer::{Compare, Eye, Look, Paint, Renderer, Shading, Show, Target, Uploads};
+use multires_viewer::renderer::{
+    Compare, Eye, Look, Paint, Reading, Renderer, Shading, Show, Target, Uploads,
+};
 use multires_viewer::scene::{ControlOptions, Controller, Coordinates, Model, Overlays, Scene};
 use wasm_bindgen::prelude::*;
 use web_sys::OffscreenCanvas;
@@ -58,6 +60,7 @@ pub struct Stage {
     is_dark: bool,
     /// Triangles of all objects at full resolution.
     full: usize,
+    reading: Option<Reading>,
 }
 
 #[wasm_bindgen]
@@ -111,6 +114,7 @@ impl Stage {
             wire: false,
             is_dark: false,
             full: 0,
+            reading: None,
         })
     }
 
@@ -314,6 +318,27 @@ impl Stage {
         let uploaded = self.uploads.flush(&self.gpu.device, &self.gpu.queue, &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
         uploaded.bytes() as u32
+    }
+
+    /// Starts to read the last picture.
+    pub fn start_reading(&mut self) {
+        self.reading = Some(self.target.start_reading(&self.gpu.device, &self.gpu.queue));
+    }
+
+    /// The picture that is read, red, green, blue and 255 of every pixel from the top, once it is there.
+    ///
+    /// # Errors
+    /// The card is lost.
+    pub fn read(&mut self) -> Result<Option<Vec<u8>>, JsError> {
+        // Where a browser polls by itself this does nothing.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+        match self.reading.take_if(|reading| reading.is_there()) {
+            None => Ok(None),
+            Some(reading) => {
+                let pixels = reading.finish()?;
+                Ok(Some(pixels.into_iter().flat_map(|[r, g, b, _]| [r, g, b, 255]).collect()))
+            }
+        }
     }
 
     /// Draws to the canvas.

@@ -27,8 +27,9 @@ export const missing = !chromiumPath ? 'no Chromium (Debian: apt-get install chr
 
 const flags = [
   '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
-  '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
-  '--enable-features=Vulkan', '--force-color-profile=srgb',
+  // Drawn in software, by WebGL and by WebGPU.
+  '--use-vulkan=swiftshader', '--use-angle=vulkan', '--disable-vulkan-surface', '--enable-features=Vulkan', '--enable-unsafe-swiftshader',
+  '--enable-unsafe-webgpu', '--force-color-profile=srgb',
 ];
 
 export const launch = () => chromium.launch({ executablePath: chromiumPath, args: flags });
@@ -63,7 +64,7 @@ export async function settled(page) {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
-// The canvas as PNG, as the page itself takes it: also where a browser without a screen shows no canvas of WebGPU.
+// The picture as PNG, as the page itself takes it: also where a browser without a screen shows no canvas of WebGPU.
 export async function picture(page) {
   const base64 = await page.evaluate(async () => {
     const bytes = new Uint8Array(await (await globalThis.multires.snapshot()).arrayBuffer());

@@ -34,7 +34,7 @@ pub use buffers::{LodBuffers, SharedBuffers, card_morph};
 pub use compare::{Compare, Show};
 pub use picture::Paint;
 pub use pipelines::LineEnd;
-pub use target::{COLOUR, DEPTH, Target};
+pub use target::{COLOUR, DEPTH, Reading, Target};
 pub use uploads::{Kind, Uploaded, Uploads};
 pub use vertex::{Instance, MORPH_LAYOUT, TRIANGLE, Vertex};
 

@@ -1,5 +1,8 @@
 //! What is drawn into: colour with several samples a pixel, depth, and the picture that comes out; and the way back to memory.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::RenderError;
 
 /// Colours of a target: bytes, sRGB.
@@ -97,6 +100,15 @@ impl Target {
     /// # Errors
     /// The card was lost, or its memory could not be read.
     pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[u8; 4]>, RenderError> {
+        let reading = self.start_reading(device, queue);
+        device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| RenderError::Read { reason: error.to_string() })?;
+        reading.finish()
+    }
+
+    /// The same for who cannot wait.
+    pub fn start_reading(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Reading {
         let [width, height] = self.size;
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -119,13 +131,42 @@ impl Target {
             self.picture.size(),
         );
         queue.submit([encoder.finish()]);
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-        let failed = |error: &dyn std::fmt::Display| RenderError::Read { reason: error.to_string() };
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
-        let bytes = buffer.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
-        let rows = bytes.chunks_exact(row as usize);
+        let is_there = Arc::new(AtomicBool::new(false));
+        let tell = Arc::clone(&is_there);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, move |_| {
+            // Where that failed, there is nothing to be mapped later.
+            tell.store(true, Ordering::Release);
+        });
+        Reading { buffer, row, width, is_there }
+    }
+}
+
+/// A picture on its way to memory.
+pub struct Reading {
+    buffer: wgpu::Buffer,
+    /// Bytes of a row.
+    row: u32,
+    /// Pixels of a row.
+    width: u32,
+    is_there: Arc<AtomicBool>,
+}
+
+impl Reading {
+    /// Whether [`finish`](Self::finish) has something to return. A device must be polled for that.
+    pub fn is_there(&self) -> bool {
+        self.is_there.load(Ordering::Acquire)
+    }
+
+    /// The picture, as [`Target::read`] returns it.
+    ///
+    /// # Errors
+    /// The card was lost, or its memory could not be read.
+    pub fn finish(self) -> Result<Vec<[u8; 4]>, RenderError> {
+        let mapped = self.buffer.slice(..).get_mapped_range();
+        let bytes = mapped.map_err(|error| RenderError::Read { reason: error.to_string() })?;
+        let rows = bytes.chunks_exact(self.row as usize);
         let line = |row: &[u8]| -> Vec<[u8; 4]> {
-            row[..4 * width as usize].chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
+            row[..4 * self.width as usize].chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
         };
         Ok(rows.flat_map(line).collect())
     }
