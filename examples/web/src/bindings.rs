@@ -12,6 +12,8 @@ use wasm_bindgen_cli_support::Bindgen;
 pub struct Bindings<'a> {
     /// Name of the package.
     pub package: &'a str,
+    /// The profile that it is built with.
+    pub profile: &'a str,
     /// Its feature; none if empty.
     pub feature: &'a str,
     /// Folder that it goes to.
@@ -38,7 +40,7 @@ impl Bindings<'_> {
                 self.package,
                 "--lib",
                 "--profile",
-                "web",
+                self.profile,
                 "--features",
                 self.feature,
             ])
@@ -51,7 +53,8 @@ impl Bindings<'_> {
                 self.package, target[1]
             ));
         }
-        let file = format!("wasm32-unknown-unknown/web/{}.wasm", self.package.replace('-', "_"));
+        let library = self.package.replace('-', "_");
+        let file = format!("wasm32-unknown-unknown/{}/{library}.wasm", self.profile);
         let library = target_folder().join(file);
         std::fs::create_dir_all(self.to).map_err(|error| at(self.to, &error))?;
         Bindgen::new()

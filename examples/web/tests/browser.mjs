@@ -26,13 +26,19 @@ export const missing = !chromiumPath ? 'no Chromium (Debian: apt-get install chr
   : !chromium ? 'no playwright-core (npm install --prefix DIR playwright-core, MULTIRES_PLAYWRIGHT=DIR)' : undefined;
 
 const flags = [
-  '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
-  // Drawn in software, by WebGL and by WebGPU.
-  '--use-vulkan=swiftshader', '--use-angle=vulkan', '--disable-vulkan-surface', '--enable-features=Vulkan', '--enable-unsafe-swiftshader',
-  '--enable-unsafe-webgpu', '--force-color-profile=srgb',
+  '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage',
+  '--force-color-profile=srgb',
 ];
+// In software; what one of them needs the other does not start with.
+const drawing = {
+  webgl: ['--enable-unsafe-swiftshader', '--use-angle=swiftshader'],
+  webgpu: [
+    '--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan', '--disable-vulkan-surface',
+  ],
+};
 
-export const launch = () => chromium.launch({ executablePath: chromiumPath, args: flags });
+// A browser that draws by WebGL 2, or by WebGPU.
+export const launch = (by = 'webgl') => chromium.launch({ executablePath: chromiumPath, args: [...flags, ...drawing[by]] });
 
 // Starts a server of the page as it was made last, and tells where it listens.
 export function serve() {
@@ -55,12 +61,12 @@ export async function open(browser, url, { width = 480, height = 300, ...rest } 
   return { page, complaints };
 }
 
-export const shown = (page) => page.waitForSelector('body[data-state="shown"][data-triangles]', { timeout: 120_000 });
+export const shown = (page) => page.waitForSelector('body[data-state="shown"][data-triangles]', { timeout: 60_000 });
 
 // Waits until nothing moves any more and the last picture is on the screen.
 export async function settled(page) {
   await shown(page);
-  await page.waitForSelector('body[data-rests="true"]', { timeout: 120_000 });
+  await page.waitForSelector('body[data-rests="true"]', { timeout: 60_000 });
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 

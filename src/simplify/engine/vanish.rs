@@ -174,9 +174,13 @@ impl<M: ErrorMetric> Engine<'_, M> {
         }
         // All touched by this batch: the part waits for the next.
         let Some(into) = self.heir(part, parts, scratch) else { return false };
+        // The surface before the part goes explains its error: a large part may have to wait.
+        let guard = self.watch.limit(self.surface.live_sheets());
+        // A part that has to wait is asked about again and again: one sample beyond the guard is answer enough.
+        let enough = if self.limits.error == f32::INFINITY { guard } else { f32::INFINITY };
         let Vanishing { points, found, tried, .. } = &mut *scratch;
         let surface = &self.surface;
-        let error = self.errors.measure_vanishing(surface, points, into, |position| {
+        let error = self.errors.measure_vanishing(surface, points, into, enough, |position| {
             parts.nearest(position, part, (AROUND, f32::MAX), found);
             nearest_triangle(surface, parts, found, tried, position)
         });
@@ -185,8 +189,6 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.let_stay(part, parts, &scratch.points);
             return false;
         }
-        // The surface before the part goes explains its error: a large part may have to wait.
-        let guard = self.watch.limit(self.surface.live_sheets());
         if error.surface > guard {
             // Waits until there are fewer triangles.
             self.watch.refuse(guard);

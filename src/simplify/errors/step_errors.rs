@@ -114,17 +114,20 @@ impl Errors {
 
     /// Returns the error of a vanishing part of `points`, replaced by the point `into`. `nearest` gives the squared
     /// distance of a position to the remaining surface near it, and the nearest triangle. Curves of the part vanish too:
-    /// they are as far from the remaining surface as the part's surface.
+    /// they are as far from the remaining surface as the part's surface. An error above `enough` may be any such.
     pub fn measure_vanishing(
         &mut self,
         surface: &WorkingSurface,
         points: &[u32],
         into: u32,
+        enough: f32,
         nearest: impl FnMut(Vec3) -> (f32, u32),
     ) -> Deviation {
         match self {
             Self::Parametric(error) => both(error.measure_vanishing(surface, points, into)),
-            Self::TrackedSamples(watch) => both(watch.surface.measure_vanishing(surface, points, nearest)),
+            Self::TrackedSamples(watch) => {
+                both(watch.surface.measure_vanishing(surface, points, enough, nearest))
+            }
         }
     }
 

@@ -231,11 +231,13 @@ impl TrackedSamples {
     }
 
     /// Returns the largest distance, inner units, from a vanishing part to the surface left: over its `points` and the
-    /// tracked samples on it. `nearest` returns the squared distance of a position, and the nearest triangle.
+    /// tracked samples on it. `nearest` returns the squared distance of a position, and the nearest triangle. Stops at the first
+    /// distance above `enough`.
     pub fn measure_vanishing(
         &mut self,
         surface: &WorkingSurface,
         points: &[u32],
+        enough: f32,
         mut nearest: impl FnMut(Vec3) -> (f32, u32),
     ) -> f32 {
         let mut handed = std::mem::take(&mut self.handed);
@@ -245,16 +247,19 @@ impl TrackedSamples {
             let (distance, triangle) = nearest(samples.points[sample as usize].position);
             worst = worst.max(distance);
             handed.push((sample, distance, triangle));
+            worst.sqrt() > enough
         };
-        for &point in points {
-            if !self.merged[point as usize] {
-                hand(self, point);
+        'all: for &point in points {
+            if !self.merged[point as usize] && hand(self, point) {
+                break;
             }
             // Each triangle once, from its first corner.
             for corner in surface.star(point).filter(|corner| corner.slot == 0) {
                 let mut at = self.head[corner.triangle as usize];
                 while at != NONE {
-                    hand(self, at);
+                    if hand(self, at) {
+                        break 'all;
+                    }
                     at = self.points[at as usize].next;
                 }
             }

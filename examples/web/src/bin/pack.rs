@@ -23,7 +23,7 @@ fn main() -> ExitCode {
 
 fn pack(to: &Path) -> Result<String, String> {
     let package = "multires-web";
-    let told = Bindings { package, feature: "", to, name: "multires", most: MOST }.make()?;
+    let told = Bindings { package, profile: "web", feature: "", to, name: "multires", most: MOST }.make()?;
     copy_all(&root().join("multires-web/npm"), to)?;
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
         std::fs::copy(root().join(licence), to.join(licence))

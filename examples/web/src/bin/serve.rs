@@ -60,10 +60,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn make(page: &Path) -> Result<(), String> {
-    for worker in ["picture", "build"] {
+    for (worker, profile) in [("picture", "web-small"), ("build", "web")] {
         let name = format!("multires_{worker}");
         let package = "multires-web-viewer";
-        let bindings = Bindings { package, feature: worker, to: page, name: &name, most: MOST };
+        let bindings = Bindings { package, profile, feature: worker, to: page, name: &name, most: MOST };
         println!("{}", bindings.make()?);
     }
     copy_all(&root().join("examples/web/page"), page)
