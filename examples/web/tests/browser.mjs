@@ -61,12 +61,12 @@ export async function open(browser, url, { width = 480, height = 300, ...rest } 
   return { page, complaints };
 }
 
-export const shown = (page) => page.waitForSelector('body[data-state="shown"][data-triangles]', { timeout: 60_000 });
+export const shown = (page) => page.waitForSelector('body[data-state="shown"][data-triangles]', { timeout: 120_000 });
 
 // Waits until nothing moves any more and the last picture is on the screen.
 export async function settled(page) {
   await shown(page);
-  await page.waitForSelector('body[data-rests="true"]', { timeout: 60_000 });
+  await page.waitForSelector('body[data-rests="true"]', { timeout: 120_000 });
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
