@@ -4,7 +4,6 @@ import { initSync, Stage } from './multires_picture.js';
 
 let stage;
 let canvas;
-let settings = new Map();
 // What came before the card was open.
 let waiting = [];
 let wants = false;
@@ -76,7 +75,6 @@ const handlers = {
     postMessage({ type: 'shown', full: stage.full, shading: stage.shading(), warnings });
   },
   set({ key, value }) {
-    settings.set(key, value);
     setters[key](value);
   },
   move({ turn, pan, zoom }) {

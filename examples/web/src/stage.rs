@@ -28,8 +28,6 @@ pub struct Frame {
     pub triangles: u32,
     /// Splits, collapses and changes of level.
     pub operations: u32,
-    /// Bytes that went to the card.
-    pub bytes: u32,
     /// Whether the next frame will differ though nothing moves.
     pub moving: bool,
 }
@@ -272,13 +270,6 @@ impl Stage {
         (self.wire, self.is_dark) = (wire, dark);
     }
 
-    /// Draws at once all that was asked for.
-    pub fn settle(&mut self) {
-        if let Some(scene) = &mut self.scene {
-            scene.settle();
-        }
-    }
-
     /// Lets all objects follow the view, `seconds` after the last frame. [`draw`](Self::draw) shows it.
     ///
     /// # Errors
@@ -294,7 +285,6 @@ impl Stage {
         Ok(Frame {
             triangles: change.triangles as u32,
             operations: (change.cut.splits + change.cut.collapses) as u32,
-            bytes: 0,
             moving: change.pending > 0 || change.moving > 0 || settles,
         })
     }
