@@ -9,6 +9,8 @@
 //! Sorting by a hash brings equal boxes together, and equal boxes become a single primitive. It also shuffles the
 //! remaining boxes, so no order of the input can cause such a chain.
 //!
+//! Where the boxes of long thin triangles crowd, each node has a second, turned box (`turned_boxes.rs`).
+//!
 //! Boxes are single precision in their own frame (centred, scaled by a power of two to lie in -1..1). Triangles are
 //! tested in double precision in object units: answers are exact to rounding for any position and size.
 //! Rounding of the boxes only widens the search.
@@ -25,6 +27,7 @@ use super::{
     boxes, hash,
     lists::NONE,
     triangle::{Corners, closest_on_triangle, has_area, hit_triangle},
+    turned_boxes::{self, TurnedBox},
 };
 
 /// Margin added to boxes (frame units), far larger than the rounding of a coordinate.
@@ -37,10 +40,12 @@ const FAR: f64 = (1 << 12) as f64;
 /// A surface: triangles with an area, coincident triangles once.
 ///
 /// Triangles are renumbered into *slots* in the order of the tree's leaves: slots near in number are near in space. 40
-/// bytes a slot and at most 96 for the nodes. Built in O(n log n).
+/// bytes a slot and at most 96 for the nodes, 160 more with turned boxes. Built in O(n log n).
 #[derive(Debug)]
 pub(crate) struct Bvh {
     nodes: Vec<Bvh2Node>,
+    /// Per node, or empty.
+    turned: Vec<TurnedBox>,
     corners: Vec<[[f32; 3]; 3]>,
     triangle_of: Vec<u32>,
     frame: Frame,
@@ -146,8 +151,10 @@ impl Bvh {
                 stack.extend([node.first_index + 1, node.first_index]);
             }
         }
-        let corners = triangle_of.iter().map(|&t| mesh.exact_corners(t)).collect();
-        Self { nodes, corners, triangle_of, frame }
+        let corners: Vec<[[f32; 3]; 3]> = triangle_of.iter().map(|&t| mesh.exact_corners(t)).collect();
+        let in_frame = |slot: u32| corners[slot as usize].map(|p| frame.to_frame(wide(p)));
+        let turned = turned_boxes::of_nodes(&nodes, in_frame, BOX_MARGIN);
+        Self { nodes, turned, corners, triangle_of, frame }
     }
 
     /// Number of slots.
@@ -229,7 +236,7 @@ impl Walker<'_> {
         } else {
             loop {
                 let (mut a, mut b) = (&bvh.nodes[pair as usize], &bvh.nodes[pair as usize + 1]);
-                let (mut near, mut far) = (box_distance_squared(a, q), box_distance_squared(b, q));
+                let (mut near, mut far) = (bvh.distance_squared(pair, q), bvh.distance_squared(pair + 1, q));
                 if far < near {
                     (a, b, near, far) = (b, a, far, near);
                 }
@@ -280,7 +287,7 @@ impl Walker<'_> {
         while let Some((index, _)) = self.near.pop() {
             let node = &bvh.nodes[index as usize];
             // The boxes' margin is far wider than the reach.
-            if box_distance_squared(node, q) > BOX_MARGIN * BOX_MARGIN {
+            if bvh.distance_squared(index, q) > BOX_MARGIN * BOX_MARGIN {
                 continue;
             }
             if node.is_leaf() {
@@ -299,13 +306,15 @@ impl Walker<'_> {
     pub(crate) fn overlapping(&mut self, slot: u32, mut visit: impl FnMut(u32)) {
         let bvh = self.bvh;
         let own = bvh.frame.bounds(&bvh.corners(slot));
+        let points = bvh.corners(slot).map(|p| bvh.frame.to_frame(p).as_vec3a());
         self.near.clear();
         self.near.push((0, 0.0));
         while let Some((index, _)) = self.near.pop() {
             let node = &bvh.nodes[index as usize];
             // The boxes' margin is wider than the rounding.
             let apart = node.aabb.min.cmpgt(own.max) | node.aabb.max.cmplt(own.min);
-            if apart.any() {
+            let beside = bvh.turned.get(index as usize).is_some_and(|turned| turned.misses(points));
+            if apart.any() || beside {
                 continue;
             }
             if node.is_leaf() {
@@ -334,6 +343,7 @@ impl Walker<'_> {
         // Never 0, so 0 * infinity cannot occur.
         let inverse =
             DVec3::from_array(d.to_array().map(|x| 1.0 / if x.abs() < 1e-20 { 1e-20 } else { x })).as_vec3a();
+        let along = d.as_vec3a();
         // Frame distance from `start` is t * per_t - skipped.
         let per_t = direction.length() * bvh.frame.scale;
 
@@ -362,6 +372,10 @@ impl Walker<'_> {
         loop {
             let (mut a, mut b) = (&bvh.nodes[pair as usize], &bvh.nodes[pair as usize + 1]);
             let (mut near, mut far) = (box_entry(a, start, inverse), box_entry(b, start, inverse));
+            if let Some([turned_a, turned_b]) = bvh.turned.get(pair as usize..pair as usize + 2) {
+                near = near.max(turned_a.entry(start, along));
+                far = far.max(turned_b.entry(start, along));
+            }
             if far < near {
                 (a, b, near, far) = (b, a, far, near);
             }
@@ -391,6 +405,16 @@ impl Walker<'_> {
 }
 
 impl Bvh {
+    /// Returns a lower bound for the squared distance of a point from the triangles of a node, frame units.
+    #[inline]
+    fn distance_squared(&self, node: u32, q: Vec3A) -> f32 {
+        let of_box = box_distance_squared(&self.nodes[node as usize], q);
+        match self.turned.get(node as usize) {
+            Some(turned) => of_box.max(turned.distance_squared(q)),
+            None => of_box,
+        }
+    }
+
     fn closest_on_slot(&self, slot: u32, point: DVec3) -> Closest {
         let (point, distance_squared) = closest_on_triangle(&self.corners(slot), point);
         Closest { slot, point, distance_squared }

@@ -10,6 +10,7 @@
 //! | `segment.rs` | a segment: nearest point |
 //! | `lanes.rs`, `sectors.rs` | four vectors at once; four triangles around a point at once |
 //! | `bvh.rs` | triangles in a hierarchy of boxes: nearest point, first hit of a ray (feature `quality`) |
+//! | `turned_boxes.rs` | second boxes, along long thin triangles |
 //! | `rounding.rs` | single precision, rounded up |
 //! | `paged.rs` | arrays in which most elements are alike: memory follows the others |
 //! | `lists.rs` | lists in two flat arrays, by counting, prefix sum and filling |
@@ -34,3 +35,5 @@ pub(crate) mod sets;
 pub(crate) mod texture;
 #[cfg_attr(not(feature = "quality"), allow(dead_code))]
 pub(crate) mod triangle;
+#[cfg(feature = "quality")]
+mod turned_boxes;
