@@ -22,6 +22,9 @@ use super::VertexHierarchy;
 
 /// Maximum number of leaves of a cluster. Larger clusters use only the error measured by the sequence.
 const MOST_LEAVES: usize = 24;
+/// Maximum number of triangles around a cluster. Where a hub has more, its triangles count only if it moves; where it
+/// moves, the cluster uses only the error measured by the sequence.
+const MOST_TRIANGLES: usize = 512;
 
 /// Returns, per split, the distance from the input to the mesh without this split alone. `end`: per vertex, the end of
 /// its run of leaves.
@@ -74,6 +77,15 @@ impl Scratch {
             return 0.0;
         }
         let drawn = |leaf: u32| runs.iter().find(|run| run.0.contains(&leaf)).map_or(NONE, |run| run.1);
+        let around = |counts: &dyn Fn(u32) -> bool| -> usize {
+            let leaves = runs.iter().flat_map(|run| run.0.clone()).filter(|&leaf| counts(leaf));
+            leaves.map(|leaf| adjacency.corners(leaf).len()).sum()
+        };
+        let moves = |leaf: u32| drawn(leaf) != leaf;
+        let only_moved = around(&|_| true) > MOST_TRIANGLES;
+        if only_moved && around(&moves) > MOST_TRIANGLES {
+            return 0.0;
+        }
         triangles.clear();
         points.clear();
         // Points moving farthest come first, so the others are soon found to be nearer.
@@ -81,6 +93,9 @@ impl Scratch {
         for (run, _) in runs.iter() {
             for leaf in run.clone() {
                 points.push(position(leaf));
+                if only_moved && !moves(leaf) {
+                    continue;
+                }
                 triangles.extend(adjacency.corners(leaf).iter().map(|&corner| corner / 3));
             }
         }

@@ -3,6 +3,7 @@
 use crate::mesh::NONE;
 use crate::simplify::metric::{Dependence, ErrorMetric, Pair};
 use crate::simplify::options::{Independence, Order};
+use crate::simplify::surface::HUB;
 
 use super::candidates::{Best, NO_BEST};
 use super::driver::{Engine, state};
@@ -105,6 +106,18 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
         }
         self.ring = ring;
+    }
+
+    /// Serves a point and all around it after the others that are due.
+    ///
+    /// Where all costs are alike, points are served in the order of their numbers, which is often an order along the mesh:
+    /// each would be merged into the next, with all samples that were handed to it before.
+    pub(super) fn put_behind(&mut self, point: u32) {
+        let Self { surface, queue, .. } = self;
+        queue.put_behind(point);
+        if surface.valence(point) <= HUB {
+            surface.for_neighbours(point, |n| queue.put_behind(n));
+        }
     }
 
     /// Looks at the pairs of a point with others, in both directions, and moves a point up where its pair is its

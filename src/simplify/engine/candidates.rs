@@ -12,10 +12,8 @@ use glam::Vec3;
 use crate::mesh::NONE;
 use crate::simplify::metric::{AttributeQuadric, ErrorMetric, Optimum, Pair, cost_at_kept};
 use crate::simplify::placement::Placement;
-use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::classify::kind;
-
-use super::hubs::HUB;
+use crate::simplify::surface::{HUB, WorkingSurface};
 
 /// Maximum distance of an optimum from the middle of the edge, in edge lengths, accepted without further checks.
 const FAR: f32 = 1.0;

@@ -26,6 +26,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.given.push(self.surface.gives_up(pair, object.is_none()) | topology);
         }
         let error = self.errors.hand_over(&self.surface, &self.patch, pair, x);
+        let takes_turns = self.errors.is_heavy(&self.surface);
         self.watch.reached(error.surface);
         self.recorder.substitute(&self.surface, pair, object.map(|object| (object, share)));
         let substitutions = self.recorder.last();
@@ -38,7 +39,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
             self.surface.kind(pair.lost) & !self.surface.kind(pair.kept) & kind::FEATURE != 0;
         self.surface.collapse(pair.lost, pair.kept, x, &mut self.dead);
         let recorder = &self.recorder;
-        self.surface.replace_vertices(pair.kept, |v| recorder.image(v, mark));
+        self.surface.replace_vertices(pair.kept, recorder.kept_stay(), |v| recorder.image(v, mark));
         let is_broken = self.breaks_topology || self.patch.opposite().is_empty();
         if shifts_features || is_broken {
             self.surface.reclassify_around(pair.kept, pair.lost, &self.patch, is_broken);
@@ -65,5 +66,8 @@ impl<M: ErrorMetric> Engine<'_, M> {
             }
         }
         self.update_around(pair, rank);
+        if takes_turns {
+            self.put_behind(pair.kept);
+        }
     }
 }

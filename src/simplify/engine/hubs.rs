@@ -8,12 +8,11 @@ use glam::Vec3;
 
 use crate::simplify::metric::{ErrorMetric, Pair};
 use crate::simplify::oracle::{Collapse, Reads};
+use crate::simplify::surface::HUB;
 
 use super::candidates::Best;
 use super::driver::{Engine, state};
 
-/// A point with more triangles is a hub.
-pub(super) const HUB: usize = 64;
 /// A hub is looked at again after valence / SHARE changes.
 const SHARE: usize = 16;
 

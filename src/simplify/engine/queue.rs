@@ -3,7 +3,7 @@
 //! Costs are classed by the leading bits of their float representation: 16 classes per octave, so two costs of equal
 //! class differ by at most 6.25 %. Inside a class the queue is first in, first out. Two reasons against a binary heap:
 //! it costs a logarithm, and it visits points of equal cost in random order, so on a large mesh each collapse is a
-//! cache miss.
+//! cache miss. A point may be [put behind](ClassQueue::put_behind) all others of its class.
 //!
 //! ```text
 //!             tile 0        tile 1        tile 2          points by number, a few thousand waiting ones a tile
@@ -25,6 +25,8 @@ const CLASS_SHIFT: u32 = 19;
 /// Classes of an octave of cost.
 pub(super) const CLASSES_PER_OCTAVE: u32 = 1 << (f32::MANTISSA_DIGITS - 1 - CLASS_SHIFT);
 const CLASSES: u32 = (f32::INFINITY.to_bits() >> CLASS_SHIFT) + 1;
+/// Set in the class of a point whose next entry does not count: a later entry does.
+const BEHIND: u32 = 1 << 16;
 /// Most waiting points served as a single tile: their neighbourhoods fit a last-level cache.
 const WHOLE: usize = 65_536;
 /// Waiting points per tile where more than `WHOLE` wait: their neighbourhoods fit a second-level cache.
@@ -86,7 +88,7 @@ impl ClassQueue {
         debug_assert!(cost >= 0.0, "cost {cost}");
         let class = Self::class(cost);
         let waits = &mut self.class_of[point as usize];
-        if *waits == class {
+        if *waits & !BEHIND == class {
             return;
         }
         self.waiting += usize::from(*waits == NONE);
@@ -99,6 +101,15 @@ impl ClassQueue {
         }
         if class >= self.band[1] || (point as usize) < self.tile.start {
             self.least_beyond = self.least_beyond.min(class);
+        }
+    }
+
+    /// Moves a point that is due behind all others that are. Any other point stays where it waits.
+    pub fn put_behind(&mut self, point: u32) {
+        let waits = &mut self.class_of[point as usize];
+        if *waits == self.current && self.tile.contains(&(point as usize)) {
+            *waits |= BEHIND;
+            self.classes[(self.current - self.band[0]) as usize].entries.push(point);
         }
     }
 
@@ -141,10 +152,14 @@ impl ClassQueue {
                 let fifo = &mut self.classes[(self.current - self.band[0]) as usize];
                 while let Some(&point) = fifo.entries.get(fifo.head) {
                     fifo.head += 1;
-                    if self.class_of[point as usize] == self.current {
-                        self.class_of[point as usize] = NONE;
+                    let waits = &mut self.class_of[point as usize];
+                    if *waits == self.current {
+                        *waits = NONE;
                         self.waiting -= 1;
                         return Some(point);
+                    }
+                    if *waits == self.current | BEHIND {
+                        *waits = self.current;
                     }
                 }
                 fifo.entries.clear();

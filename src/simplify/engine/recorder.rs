@@ -32,6 +32,8 @@ pub(super) struct Recorder {
     renamed: Vec<[u32; 2]>,
     /// Number of vertices and substitutions before the last merge.
     before: [usize; 2],
+    /// True if the last merge left the kept point's wedges as they were.
+    kept_stay: bool,
     has_curves: bool,
 }
 
@@ -88,6 +90,7 @@ impl Recorder {
             wedges,
             renamed: Vec::new(),
             before: [0; 2],
+            kept_stay: false,
             has_curves: !surface.curves().is_empty(),
         }
     }
@@ -109,6 +112,7 @@ impl Recorder {
     /// units) and the share of `kept` in blends, or `None` where `kept` stays as it is. O(wedges).
     pub fn substitute(&mut self, surface: &WorkingSurface, pair: Pair, renew: Option<([f32; 3], f32)>) {
         self.before = [self.vertex_count(), self.substitutions.len()];
+        self.kept_stay = false;
         if self.spans.is_empty() {
             let (a, b) = (surface.point_vertex(pair.lost), surface.point_vertex(pair.kept));
             self.merge(a, b, renew);
@@ -127,6 +131,11 @@ impl Recorder {
             first_new: vertices as u32,
             new_vertices: &self.new_vertices[vertices - self.input_vertices as usize..],
         }
+    }
+
+    /// Returns true if the last merge left the kept point's wedges as they were.
+    pub fn kept_stay(&self) -> bool {
+        self.kept_stay
     }
 
     fn merge(&mut self, a: u32, b: u32, renew: Option<([f32; 3], f32)>) {
@@ -156,6 +165,7 @@ impl Recorder {
         renamed.clear();
         let adds = map.pairs().iter().any(|pair| pair[0] == pair[1]);
         let all_stay = renew.is_none() && !all_one && !map.joins_kept() && !adds;
+        self.kept_stay = all_stay;
         for i in kept.filter(|_| !all_stay) {
             let b = root(self.wedges[i]);
             let known = renamed.iter().find(|r| r[0] == b).map(|r| r[1]);

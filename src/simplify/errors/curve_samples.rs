@@ -15,7 +15,7 @@ use glam::Vec3;
 
 use crate::mesh::NONE;
 use crate::simplify::metric::Pair;
-use crate::simplify::surface::WorkingSurface;
+use crate::simplify::surface::{HUB, WorkingSurface};
 
 /// Maximum number of the kept point's edges looked at where the point stays: with more, it is a hub.
 const MOST_KEPT: usize = 16;
@@ -156,6 +156,16 @@ impl CurveSamples {
         change
     }
 
+    /// Number of points handed over by the last step.
+    pub fn handed_over(&self) -> usize {
+        self.loose.len()
+    }
+
+    /// Before a step that may not touch a curve.
+    pub fn clear_loose(&mut self) {
+        self.loose.clear();
+    }
+
     /// Collects the edges around the merged point, changing edges first.
     fn spread(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) {
         let curves = surface.curves();
@@ -239,6 +249,10 @@ impl CurveSamples {
         let Some(spoke) = self.spokes.get_mut(spoke).filter(|spoke| spoke.is_new) else { return };
         let p = self.points[point as usize].position - x;
         let edges = self.start[point as usize] as usize..self.start[point as usize + 1] as usize;
+        // Near a hub, the edge's far end tells enough.
+        if edges.len() > HUB {
+            return;
+        }
         for &neighbour in &self.neighbours[edges] {
             let q = self.points[neighbour as usize].position - x;
             for (share, least) in ALONG.iter().zip(&mut spoke.back) {

@@ -15,6 +15,8 @@ use super::way_back::WayBack;
 /// Deviations up to this are rounding and count as 0, inner units: a few units in the last place of the coordinates, at
 /// most 1e-6 of the diagonal.
 const ROUNDING: f32 = 1.0 / 2_097_152.0;
+/// A step is heavy if it hands over more samples than this, and this many times as many as there are for each point.
+const HEAVY: usize = 256;
 
 /// Distance of the level from the input after a step, inner units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -78,12 +80,24 @@ impl Errors {
         }
     }
 
+    /// Returns true if the last step handed over very many samples.
+    pub fn is_heavy(&self, surface: &WorkingSurface) -> bool {
+        match self {
+            Self::Parametric(_) => false,
+            Self::TrackedSamples(watch) => {
+                let handed = watch.surface.handed_over() + watch.curves.handed_over();
+                handed > HEAVY && handed > surface.point_count() / surface.live_points().max(1) * HEAVY
+            }
+        }
+    }
+
     pub fn hand_over(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
             Self::Parametric(error) => both(error.merge(surface, pair, x)),
             Self::TrackedSamples(watch) => {
                 let apart = watch.surface.hand_over(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
+                watch.curves.clear_loose();
                 let curve = if concerns { watch.curves.hand_over(surface, pair, x).worst } else { 0.0 };
                 let mut found = watch.with_way_back(surface, patch, pair, x, [apart, curve.sqrt()]);
                 // The way back starts from other points now; the earlier measurement is equally true, and has passed the

@@ -46,6 +46,8 @@ pub(crate) struct TrackedSamples {
     placed: Vec<f32>,
     /// Area per input point, inner units.
     share: f32,
+    /// Number of samples handed over by the last step.
+    handed_over: usize,
 }
 
 /// The position of a sample, and the next sample on its triangle: side by side, since chains run all over memory.
@@ -128,12 +130,18 @@ impl TrackedSamples {
             heads: Vec::new(),
             handed: Vec::new(),
             share: area(surface) / surface.live_points().max(1) as f32,
+            handed_over: 0,
         }
     }
 
     /// The largest squared distance so far.
     pub fn largest(&self) -> f32 {
         self.largest
+    }
+
+    /// Number of samples handed over by the last step.
+    pub fn handed_over(&self) -> usize {
+        self.handed_over
     }
 
     /// Records a distance found by other means, inner units.
@@ -213,15 +221,18 @@ impl TrackedSamples {
         let heads = self.heads(surface, pair, x);
         self.clear_heads(surface, pair, x);
         let mut worst: f32 = 0.0;
+        let mut count = 0;
         for &head in &heads {
             let mut at = head;
             while at != NONE {
                 let next = self.points[at as usize].next;
                 worst = worst.max(self.place(at, x));
                 at = next;
+                count += 1;
             }
         }
         self.heads = heads;
+        self.handed_over = count;
         for point in self.newcomers(surface, pair, x) {
             self.merged[point as usize] = true;
             worst = worst.max(self.place(point, x));
@@ -308,10 +319,8 @@ impl TrackedSamples {
         if patch.facets().is_empty() {
             // Nothing of the patch survives (an ear): its tracked samples go to triangles around the kept point, near
             // the ear in its star's list. Triangles adjacent in the list were adjacent in the input.
-            let ear = surface.star_triangles(pair.lost).next();
-            let at = surface.star_triangles(pair.kept).position(|triangle| Some(triangle) == ear);
-            let from = at.unwrap_or(0).saturating_sub(EAR_TRIANGLES / 2);
-            let near = surface.star(pair.kept).skip(from).take(EAR_TRIANGLES);
+            let ear = surface.star_triangles(pair.lost).next().unwrap_or(NONE);
+            let near = surface.star_near(pair.kept, ear, EAR_TRIANGLES);
             let around = near.filter(|corner| !corner.others.contains(&pair.lost));
             self.fan.extend(around.map(|corner| Group::new(&[Facet::around(surface, corner, x)])));
         }

@@ -23,11 +23,9 @@ use crate::geometry::{
 };
 use crate::mesh::NONE;
 use crate::simplify::metric::Pair;
-use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::patch::{Facet, Patch};
+use crate::simplify::surface::{HUB, WorkingSurface};
 
-/// Points with more triangles are not searched around.
-const HUB: usize = 64;
 /// First places on a new triangle, as shares of its sides from the merged point: the middles of both sides, and the
 /// centroid.
 const FIRST_LOOKS: [[f32; 2]; 3] = [[0.5, 0.0], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];

@@ -86,8 +86,8 @@ fn has_triangle(surface: &WorkingSurface, point: u32, a: u32, b: u32) -> bool {
     surface.star(from).any(|corner| corner.others == [p, q] || corner.others == [q, p])
 }
 
-/// Tests for neighbours of a point: in a short list of fixed length (compared in a few vector instructions), or for a hub
-/// in the star with fewer triangles.
+/// Tests for neighbours of a point: in a short list of fixed length (compared in a few vector instructions), or for a
+/// hub by a search.
 struct Neighbourhood<'a> {
     surface: &'a WorkingSurface,
     point: u32,
@@ -114,11 +114,6 @@ impl<'a> Neighbourhood<'a> {
 
     #[cold]
     fn search(&self, other: u32) -> bool {
-        let (from, to) = if self.surface.valence(other) <= self.surface.valence(self.point) {
-            (other, self.point)
-        } else {
-            (self.point, other)
-        };
-        self.surface.star(from).any(|corner| corner.others.contains(&to))
+        self.surface.is_edge(self.point, other)
     }
 }

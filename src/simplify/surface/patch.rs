@@ -110,7 +110,7 @@ impl Patch {
         self.sorted_opposite.clear();
         let back = surface.at(pair.lost) - x;
         let stride = surface.valence(pair.lost).div_ceil(most).max(1);
-        for corner in surface.star(pair.lost).step_by(stride) {
+        for corner in surface.star_thinned(pair.lost, stride) {
             if !corner.others.contains(&pair.kept) {
                 self.facets.push(Facet::moved(surface, corner, x, back));
             }

@@ -4,6 +4,8 @@
 
 use crate::mesh::NONE;
 
+use super::hub_edges::HUB;
+
 /// The corners around every point.
 #[derive(Debug, Clone)]
 pub(crate) struct PointStars {
@@ -52,20 +54,25 @@ impl PointStars {
         &self.pool[start..start + len as usize]
     }
 
-    pub fn remove(&mut self, point: u32, triangle: u32) {
-        let Span { start, len, .. } = self.spans[point as usize];
-        let star = &mut self.pool[start..start + len as usize];
-        // A triangle occurs once.
+    /// Returns the place of a triangle in a star.
+    pub fn find(&self, point: u32, triangle: u32) -> Option<usize> {
+        let star = self.of(point);
         let is_it = |entry: &u32| entry >> 2 == triangle;
         let mut from = 0;
-        if star.len() > 64 {
-            // A hub: in wide steps.
+        if star.len() > HUB {
+            // In wide steps.
             let mut chunks = star.chunks(32);
             let chunk = chunks.position(|chunk| chunk.iter().fold(false, |any, entry| any | is_it(entry)));
             from = 32 * chunk.unwrap_or(0);
         }
-        if let Some(at) = star[from..].iter().position(is_it) {
-            star.copy_within(from + at + 1.., from + at);
+        star[from..].iter().position(is_it).map(|at| from + at)
+    }
+
+    /// Removes a triangle, which occurs once.
+    pub fn remove(&mut self, point: u32, triangle: u32) {
+        if let Some(at) = self.find(point, triangle) {
+            let Span { start, len, .. } = self.spans[point as usize];
+            self.pool[start..start + len as usize].copy_within(at + 1.., at);
             self.spans[point as usize].len -= 1;
         }
     }

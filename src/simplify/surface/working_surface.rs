@@ -18,6 +18,7 @@ use crate::mesh::{Mesh, NONE, Topology};
 
 use super::classify::{SeenNeighbour, kind};
 use super::curves::{Curves, Rim};
+use super::hub_edges::{HUB, HubEdges};
 use super::sheets::{Layer, Sheets};
 use super::stars::PointStars;
 use super::wedge_values::WedgeValues;
@@ -102,6 +103,7 @@ pub struct WorkingSurface {
     /// True if a wedge with nowhere to go may move along with its point, as a new vertex.
     pub(crate) moves_wedges: bool,
     stars: PointStars,
+    hub_edges: HubEdges,
     curves: Curves,
     sheets: Sheets,
     live: usize,
@@ -166,6 +168,7 @@ impl WorkingSurface {
             moves_wedges: false,
             live_points: (0..points as u32).filter(|&p| !stars.of(p).is_empty()).count(),
             stars,
+            hub_edges: HubEdges::default(),
             curves: Curves::default(),
             followers: sheets.count(),
             sheets,
@@ -175,6 +178,9 @@ impl WorkingSurface {
         surface.classify();
         for (vertex, _) in mesh.locks().iter().enumerate().filter(|&(_, &locked)| locked) {
             surface.kinds[point_of[vertex] as usize] |= kind::LOCKED;
+        }
+        for point in 0..surface.point_count() as u32 {
+            surface.note_hub_edges(point, 0);
         }
         surface.curves = Curves::new(&surface);
         for edge in 0..surface.curves.edge_count() as u32 {
@@ -299,6 +305,23 @@ impl WorkingSurface {
     #[inline]
     pub fn star(&self, point: u32) -> impl ExactSizeIterator<Item = Corner> + Clone + '_ {
         self.stars.of(point).iter().map(|&entry| self.corner(entry))
+    }
+
+    /// Returns each `stride`-th triangle around a point. O(triangles returned).
+    pub(crate) fn star_thinned(&self, point: u32, stride: usize) -> impl Iterator<Item = Corner> + '_ {
+        self.stars.of(point).iter().step_by(stride).map(|&entry| self.corner(entry))
+    }
+
+    /// Returns the corners of a star on both sides of a triangle in the star's order: at most `most`.
+    pub(crate) fn star_near(
+        &self,
+        point: u32,
+        triangle: u32,
+        most: usize,
+    ) -> impl Iterator<Item = Corner> + '_ {
+        let star = self.stars.of(point);
+        let from = self.stars.find(point, triangle).unwrap_or(0).saturating_sub(most / 2);
+        star[from..].iter().take(most).map(|&entry| self.corner(entry))
     }
 
     /// Returns the numbers of the triangles around a point, in the order of [`star`](WorkingSurface::star).
@@ -449,7 +472,7 @@ impl WorkingSurface {
                 self.live_points -= usize::from(self.valence(kept) == 0);
             }
             [first, second] => {
-                if self.valence(kept) > 64 {
+                if self.valence(kept) > HUB {
                     // A hub: two searches in wide steps.
                     self.stars.remove(kept, first);
                     self.stars.remove(kept, second);
@@ -470,7 +493,9 @@ impl WorkingSurface {
             self.triangles[(entry >> 2) as usize][(entry & 3) as usize] = kept;
         }
         self.stars.clear(lost);
+        let known = self.valence(kept);
         self.stars.append(kept, &moved);
+        self.note_hub_edges(kept, if known > HUB { known } else { 0 });
         // Triangles that are turned against each other are so around the merged point, too.
         self.kinds[kept as usize] |= self.kinds[lost as usize] & (kind::WEDGES | kind::IRREGULAR);
         if self.kinds[lost as usize] & kind::ON_CURVE != 0 {
@@ -479,6 +504,37 @@ impl WorkingSurface {
         }
         self.positions[kept as usize] = position;
         self.scratch.moved = moved;
+    }
+
+    /// Records edges of a point to hubs, if the point is a hub itself. Looks at the point's triangles from number `from`
+    /// of its star on.
+    #[inline]
+    fn note_hub_edges(&mut self, point: u32, from: usize) {
+        if self.valence(point) <= HUB {
+            return;
+        }
+        for at in from..self.valence(point) {
+            let Corner { triangle, others, .. } = self.corner(self.stars.of(point)[at]);
+            for other in others {
+                if self.valence(other) > HUB {
+                    self.hub_edges.insert(point, other, triangle);
+                }
+            }
+        }
+    }
+
+    /// Returns true if two points have a triangle in common. O(valence), at most [`HUB`], but for edges between hubs that
+    /// lost the triangle last recorded there.
+    pub(crate) fn is_edge(&self, u: u32, v: u32) -> bool {
+        let (from, to) = if self.valence(u) <= self.valence(v) { (u, v) } else { (v, u) };
+        if self.valence(from) > HUB {
+            let Some(triangle) = self.hub_edges.get(u, v) else { return false };
+            let corners = self.triangles[triangle as usize];
+            if corners.contains(&u) && corners.contains(&v) {
+                return true;
+            }
+        }
+        self.star(from).any(|corner| corner.others.contains(&to))
     }
 
     /// Removes points with all their triangles, which must have no other corners. `dead` receives the triangles.
@@ -537,14 +593,16 @@ impl WorkingSurface {
         self.scratch.neighbours = points;
     }
 
-    /// Replaces the vertex at every corner of `point`'s star by `map`. Call after the collapse into `point`.
-    pub(crate) fn replace_vertices(&mut self, point: u32, mut map: impl FnMut(u32) -> u32) {
+    /// Replaces the vertices at the corners of `point`'s star by `map`: at all, or where `kept_stay` at the corners just
+    /// moved there, which may be few of a hub's. Call after the collapse into `point`.
+    pub(crate) fn replace_vertices(&mut self, point: u32, kept_stay: bool, mut map: impl FnMut(u32) -> u32) {
         if self.corner_vertices.is_empty() {
             let vertex = &mut self.point_vertex[point as usize];
             *vertex = map(*vertex);
             return;
         }
-        for &entry in self.stars.of(point) {
+        let changed = if kept_stay { &self.scratch.moved[..] } else { self.stars.of(point) };
+        for &entry in changed {
             let vertex = &mut self.corner_vertices[(entry >> 2) as usize][(entry & 3) as usize];
             *vertex = map(*vertex);
             self.sheets.replace(entry >> 2, (entry & 3) as usize, &mut map);
