@@ -22,12 +22,15 @@ let builder;
 let building = null;
 
 const compile = (name) => WebAssembly.compileStreaming(fetch(`${name}_bg.wasm`));
-const modules = { picture: compile('multires_picture'), build: compile('multires_build') };
+// A program for each way to draw: the one for WebGPU is half as large.
+const hasWebGpu = async () => Boolean(await navigator.gpu?.requestAdapter().catch(() => null));
+const draws = async () => asked.get('backend') ?? (await hasWebGpu() ? 'webgpu' : 'webgl');
+const modules = { build: compile('multires_build'), picture: draws().then(async (by) => ({ by, module: await compile(`multires_${by}`) })) };
 Promise.all(Object.values(modules)).catch((error) => fail(`The page could not be started: ${error.message}`));
-modules.picture.then((module) => {
+modules.picture.then((program) => {
   const off = canvas.transferControlToOffscreen();
   const [width, height] = pixels();
-  picture.postMessage({ type: 'open', module, canvas: off, width, height, backend: asked.get('backend') ?? '' }, [off]);
+  picture.postMessage({ type: 'open', ...program, canvas: off, width, height }, [off]);
 }, () => {});
 
 function newBuilder() {
@@ -50,7 +53,6 @@ picture.onmessage = ({ data }) => {
     body.dataset.state = 'shown';
     byId('full').textContent = count(data.full);
     byId('shading').value = data.shading;
-    if (data.warnings.length > 0) say(data.warnings.join('; '));
   } else if (data.type === 'snapshot') {
     taken(data.blob);
   } else if (data.type === 'frame') {
@@ -79,12 +81,11 @@ async function load(name, bytes, structure) {
   if (module && asked === building) builder.postMessage({ module, name, bytes, structure });
 }
 
-function show({ baked, triangles, warnings }) {
+function show({ baked, pictures, isPainted, warnings }) {
   if (!building) return;
-  const { scene, name, bytes } = building;
   if (warnings.length > 0) say(warnings.join('; '));
-  const gltf = bytes && /\.gl(b|tf)$/i.test(name) ? bytes : undefined;
-  picture.postMessage({ type: 'show', baked, scene, gltf, triangles }, [baked.buffer]);
+  const parts = [baked, ...pictures.map((picture) => picture.pixels)];
+  picture.postMessage({ type: 'show', baked, pictures, isPainted, scene: building.scene }, parts.map((part) => part.buffer));
 }
 
 function loadScene(scene) {

@@ -1,7 +1,7 @@
 //! Makes the page and serves it.
 //!
 //! ```text
-//!     cargo build --target wasm32-unknown-unknown     the library of this package, once for each worker
+//!     cargo build --target wasm32-unknown-unknown     the library of this package, once for each program
 //!     bindings                                        by the same release of wasm-bindgen
 //!     target/web/page                                 those, and the files of `page/`
 //! ```
@@ -16,7 +16,7 @@ use multires_web_viewer::bindings::{Bindings, compressed, copy_all, root, target
 use tiny_http::{Header, Request, Response, Server, StatusCode};
 
 /// Most bytes of the program of a worker, plain and compressed.
-const MOST: [usize; 2] = [3_600_000, 1_200_000];
+const MOST: [usize; 2] = [3_000_000, 1_200_000];
 
 /// Makes the viewer's page and serves it.
 #[derive(Parser)]
@@ -60,10 +60,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn make(page: &Path) -> Result<(), String> {
-    for (worker, profile) in [("picture", "web-small"), ("build", "web")] {
-        let name = format!("multires_{worker}");
+    for (feature, profile) in [("webgl", "web-small"), ("webgpu", "web-small"), ("build", "web")] {
+        let name = format!("multires_{feature}");
         let package = "multires-web-viewer";
-        let bindings = Bindings { package, profile, feature: worker, to: page, name: &name, most: MOST };
+        let bindings = Bindings { package, profile, feature, to: page, name: &name, most: MOST };
         println!("{}", bindings.make()?);
     }
     copy_all(&root().join("examples/web/page"), page)
