@@ -12,12 +12,13 @@
 //! | `layout.rs` | [`Element`]: the scalars of an array's elements, for byte order |
 //! | `table.rs` | header and table: written, read and checked |
 //! | `codec.rs` | compressed sections: differences, planes of bits, LZ4 |
-//! | `meta.rs` | small values by serde and bincode |
+//! | `meta.rs`, `decoder.rs` | small values by serde and bincode |
 //! | `writer.rs`, `reader.rs` | sections into bytes, and out of them |
 //! | `options.rs` | [`BakeOptions`], [`OpenOptions`] |
 //! | `error.rs` | [`BakeError`] |
 
 mod codec;
+mod decoder;
 mod error;
 mod layout;
 mod meta;

@@ -22,13 +22,22 @@ let builder;
 let building = null;
 
 const compile = (name) => WebAssembly.compileStreaming(fetch(`${name}_bg.wasm`));
-const modules = { picture: compile('multires_picture'), build: compile('multires_build') };
-Promise.all(Object.values(modules)).catch((error) => fail(`The page could not be started: ${error.message}`));
-modules.picture.then((module) => {
+// A program for each way to draw: the one for WebGPU is half as large.
+const hasWebGpu = async () => Boolean(await navigator.gpu?.requestAdapter().catch(() => null));
+const draws = async () => asked.get('backend') ?? (await hasWebGpu() ? 'webgpu' : 'webgl');
+const notStarted = (error) => fail(`The page could not be started: ${error.message}`);
+draws().then(async (by) => {
+  const module = await compile(`multires_${by}`);
   const off = canvas.transferControlToOffscreen();
   const [width, height] = pixels();
-  picture.postMessage({ type: 'open', module, canvas: off, width, height, backend: asked.get('backend') ?? '' }, [off]);
-}, () => {});
+  picture.postMessage({ type: 'open', by, module, canvas: off, width, height }, [off]);
+}).catch(notStarted);
+// What builds is loaded when something is to be built, or when the first picture is there.
+let buildModule;
+const loadBuilder = () => {
+  buildModule ??= compile('multires_build');
+  return buildModule;
+};
 
 function newBuilder() {
   builder?.terminate();
@@ -48,9 +57,9 @@ picture.onmessage = ({ data }) => {
   } else if (data.type === 'shown') {
     building = null;
     body.dataset.state = 'shown';
+    loadBuilder().catch(notStarted);
     byId('full').textContent = count(data.full);
     byId('shading').value = data.shading;
-    if (data.warnings.length > 0) say(data.warnings.join('; '));
   } else if (data.type === 'snapshot') {
     taken(data.blob);
   } else if (data.type === 'frame') {
@@ -69,22 +78,33 @@ async function load(name, bytes, structure) {
   byId('alert').hidden = true;
   byId('loading-what').textContent = `Building ${name}`;
   progress(0);
-  if (building || !builder) newBuilder();
-  building = { scene: bytes ? '' : name, name, bytes, structure };
+  if (building && builder) newBuilder();
+  building = { scene: bytes ? '' : name };
   for (const button of document.querySelectorAll('[data-scene]')) {
     button.setAttribute('aria-pressed', String(button.dataset.scene === building.scene));
   }
   const asked = building;
-  const module = await modules.build.catch(() => undefined);
-  if (module && asked === building) builder.postMessage({ module, name, bytes, structure });
+  try {
+    if (name === 'demo' && !bytes && structure === 'hierarchy') {
+      const baked = new Uint8Array(await (await fetch('demo.mres')).arrayBuffer());
+      const none = () => ({ width: 0, pixels: new Uint8Array() });
+      if (asked === building) show({ baked, pictures: [none(), none()], isPainted: false, warnings: [] });
+      return;
+    }
+    const module = await loadBuilder();
+    if (asked !== building) return;
+    if (!builder) newBuilder();
+    builder.postMessage({ module, name, bytes, structure });
+  } catch (error) {
+    if (asked === building) notStarted(error);
+  }
 }
 
-function show({ baked, triangles, warnings }) {
+function show({ baked, pictures, isPainted, warnings }) {
   if (!building) return;
-  const { scene, name, bytes } = building;
   if (warnings.length > 0) say(warnings.join('; '));
-  const gltf = bytes && /\.gl(b|tf)$/i.test(name) ? bytes : undefined;
-  picture.postMessage({ type: 'show', baked, scene, gltf, triangles }, [baked.buffer]);
+  const parts = [baked, ...pictures.map((picture) => picture.pixels)];
+  picture.postMessage({ type: 'show', baked, pictures, isPainted, scene: building.scene }, parts.map((part) => part.buffer));
 }
 
 function loadScene(scene) {

@@ -1,7 +1,6 @@
 // Has the canvas: every frame the scene adapts, uploads what changed, and is drawn. At rest nothing is done.
 
-import { initSync, Stage } from './multires_picture.js';
-
+let program;
 let stage;
 let canvas;
 // What came before the card was open.
@@ -61,18 +60,20 @@ const setters = {
 };
 
 const handlers = {
-  async open({ module, canvas: given, width, height, backend }) {
-    initSync({ module });
+  async open({ by, module, canvas: given, width, height }) {
+    program = await import(`./multires_${by}.js`);
+    program.initSync({ module });
     canvas = given;
     canvas.width = width;
     canvas.height = height;
-    stage = await Stage.open(canvas, backend);
+    stage = await program.Stage.open(canvas);
     postMessage({ type: 'opened', card: stage.card() });
     for (const message of waiting.splice(0)) handle(message);
   },
-  show({ baked, scene, gltf }) {
-    const warnings = stage.show(baked, scene, gltf);
-    postMessage({ type: 'shown', full: stage.full, shading: stage.shading(), warnings });
+  show({ baked, scene, pictures: [colours, normals], isPainted }) {
+    const pictures = new program.Pictures(colours.pixels, colours.width, normals.pixels, normals.width, isPainted);
+    stage.show(baked, scene, pictures);
+    postMessage({ type: 'shown', full: stage.full, shading: stage.shading() });
   },
   set({ key, value }) {
     setters[key](value);

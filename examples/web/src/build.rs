@@ -3,17 +3,20 @@
 use std::ops::ControlFlow;
 
 use js_sys::Function;
-use multires::io::{self, Format, ReadError, ReadOptions, SceneOrigin};
-use multires_viewer::scene::{BuildOptions, Model, StructureKind};
+use multires::io::{self, BakeError, Format, ReadError, ReadOptions, SceneOrigin};
+use multires_viewer::scene::{BuildOptions, Coordinates, Model, StructureKind, Texture};
 use wasm_bindgen::prelude::*;
 
 use crate::names::builtin;
 
-/// A baked model, and what is to be said of it.
+/// A baked model, its pictures, and what is to be said of it.
 #[wasm_bindgen]
 pub struct Built {
     bytes: Vec<u8>,
     triangles: usize,
+    /// Colours, and normals in tangent space.
+    pictures: [Option<Texture>; 2],
+    is_painted: bool,
     warnings: Vec<String>,
 }
 
@@ -22,6 +25,22 @@ impl Built {
     /// The baked model. Leaves nothing behind.
     pub fn take(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.bytes)
+    }
+
+    /// Pixels of its colours (0) or normals (1), four bytes each, row by row; empty if it has none. Leaves nothing behind.
+    pub fn take_picture(&mut self, which: usize) -> Vec<u8> {
+        self.pictures[which].take().map_or_else(Vec::new, |picture| picture.pixels.into_flattened())
+    }
+
+    /// Width of its colours (0) or normals (1), pixels; 0 if it has none, or they were taken.
+    pub fn width(&self, which: usize) -> u32 {
+        self.pictures[which].as_ref().map_or(0, |picture| picture.size[0])
+    }
+
+    /// Whether its file names pictures to paint it with.
+    #[wasm_bindgen(getter)]
+    pub fn is_painted(&self) -> bool {
+        self.is_painted
     }
 
     /// Triangles at full resolution.
@@ -48,7 +67,7 @@ fn structure(name: &str) -> Option<StructureKind> {
 }
 
 /// Builds the model of a built-in scene, or of a file: its name, for its format, and its bytes. `progress` is told the share of the
-/// way, 0 to 1. A baked file is what it is.
+/// way, 0 to 1. A baked file keeps its structure.
 ///
 /// # Errors
 /// There is no such scene or structure, the file cannot be read, or the structure cannot be built from it: an `Error` whose message
@@ -63,16 +82,20 @@ pub fn build(
     let structure = structure(structure_name)
         .ok_or_else(|| JsError::new(&format!("there is no structure named {structure_name:?}")))?;
     let mut options = BuildOptions::default().with_structure(structure);
-    let (mesh, warnings) = match bytes {
+    let is_gltf = [".glb", ".gltf"].iter().any(|end| name.to_lowercase().ends_with(end));
+    let (mesh, warnings) = match &bytes {
         Some(bytes) if name.to_lowercase().ends_with(".mres") => {
-            let model = Model::of_baked(&bytes, options.coordinates)?;
-            return Ok(Built { triangles: model.triangle_count(), bytes, warnings: Vec::new() });
+            return Ok(Built::of(&Model::of_baked(bytes, options.coordinates)?, Vec::new())?);
         }
         Some(bytes) => {
+            if is_gltf {
+                // Its pictures are for the coordinates that it has.
+                options = options.with_coordinates(Coordinates::Own);
+            }
             let format = Format::from_path(name)
                 .ok_or_else(|| JsError::new(&ReadError::UnknownFormat { path: name.into() }.to_string()))?;
             let options = ReadOptions::default().with_origin(SceneOrigin::Center);
-            let read = io::read_bytes_with(format, &bytes, &options)?;
+            let read = io::read_bytes_with(format, bytes, &options)?;
             (read.mesh, read.notes.iter().map(ToString::to_string).collect())
         }
         None => {
@@ -91,7 +114,22 @@ pub fn build(
         }
         ControlFlow::Continue(())
     };
-    let model = Model::build(&mesh, &options, &mut tell)?;
-    let triangles = model.triangle_count();
-    Ok(Built { bytes: model.baked().to_bytes()?, triangles, warnings })
+    let mut model = Model::build(&mesh, &options, &mut tell)?;
+    if let Some(bytes) = bytes.filter(|_| is_gltf) {
+        model = model.with_pictures_in(&bytes);
+    }
+    Ok(Built::of(&model, warnings)?)
+}
+
+impl Built {
+    fn of(model: &Model, mut warnings: Vec<String>) -> Result<Self, BakeError> {
+        warnings.extend_from_slice(model.warnings());
+        Ok(Self {
+            bytes: model.baked().to_bytes()?,
+            triangles: model.triangle_count(),
+            pictures: [model.texture().cloned(), model.normal_map().cloned()],
+            is_painted: model.is_painted(),
+            warnings,
+        })
+    }
 }

@@ -9,7 +9,7 @@ use multires_viewer::gpu::Gpu;
 use multires_viewer::renderer::{
     Compare, Eye, Look, Paint, Reading, Renderer, Shading, Show, Target, Uploads,
 };
-use multires_viewer::scene::{ControlOptions, Controller, Coordinates, Model, Overlays, Scene};
+use multires_viewer::scene::{ControlOptions, Controller, Coordinates, Model, Overlays, Scene, Texture};
 use wasm_bindgen::prelude::*;
 use web_sys::OffscreenCanvas;
 
@@ -30,6 +30,29 @@ pub struct Frame {
     pub operations: u32,
     /// Whether the next frame will differ though nothing moves.
     pub moving: bool,
+}
+
+/// What a model is painted with.
+#[wasm_bindgen]
+pub struct Pictures {
+    colours: Option<Texture>,
+    normals: Option<Texture>,
+    is_painted: bool,
+}
+
+#[wasm_bindgen]
+impl Pictures {
+    /// Colours, and normals in tangent space: pixels of four bytes row by row, and the width; no pixels where there is no picture.
+    /// Then whether the model's file names them.
+    #[wasm_bindgen(constructor)]
+    pub fn new(colours: &[u8], width: u32, normals: &[u8], normal_width: u32, is_painted: bool) -> Self {
+        let texture = |pixels: &[u8], width: u32| {
+            let pixels = pixels.as_chunks().0.to_vec();
+            let height = (pixels.len() as u32).checked_div(width).filter(|&height| height > 0)?;
+            Some(Texture { size: [width, height], pixels })
+        };
+        Self { colours: texture(colours, width), normals: texture(normals, normal_width), is_painted }
+    }
 }
 
 /// A canvas and what it shows.
@@ -63,22 +86,12 @@ pub struct Stage {
 
 #[wasm_bindgen]
 impl Stage {
-    /// Opens the card for a canvas: by WebGPU where there is one, else by WebGL 2; `backend` is `webgpu` or `webgl` for one of them
-    /// alone.
+    /// Opens the card for a canvas, by what this program was built for: WebGPU or WebGL 2.
     ///
     /// # Errors
-    /// The browser has neither.
-    pub async fn open(canvas: OffscreenCanvas, backend: &str) -> Result<Stage, JsError> {
-        let backends = match backend {
-            "webgpu" => wgpu::Backends::BROWSER_WEBGPU,
-            "webgl" => wgpu::Backends::GL,
-            _ => wgpu::Backends::BROWSER_WEBGPU | wgpu::Backends::GL,
-        };
-        let instance = wgpu::util::new_instance_with_webgpu_detection(wgpu::InstanceDescriptor {
-            backends,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        })
-        .await;
+    /// The browser has no such thing.
+    pub async fn open(canvas: OffscreenCanvas) -> Result<Stage, JsError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let surface = instance.create_surface(wgpu::SurfaceTarget::OffscreenCanvas(canvas.clone()))?;
         let gpu = Gpu::find(&instance, Some(&surface)).await?;
         let size = [canvas.width().max(1), canvas.height().max(1)];
@@ -121,21 +134,13 @@ impl Stage {
         self.gpu.name()
     }
 
-    /// Shows a baked model, at the places of a built-in scene or as one object. `gltf` is the file it was built from, for its pictures.
-    /// Returns what is not shown as the file has it.
+    /// Shows a baked model, at the places of a built-in scene or as one object.
     ///
     /// # Errors
     /// The bytes are no baked model.
-    pub fn show(&mut self, baked: &[u8], scene: &str, gltf: Option<Vec<u8>>) -> Result<Vec<String>, JsError> {
-        let mut coordinates = Coordinates::default();
-        if gltf.is_some() {
-            coordinates = Coordinates::Own;
-        }
-        let mut model = Model::of_baked(baked, coordinates)?;
-        if let Some(gltf) = gltf {
-            model = model.with_pictures_in(&gltf);
-        }
-        let warnings = model.warnings().to_vec();
+    pub fn show(&mut self, baked: &[u8], scene: &str, pictures: Pictures) -> Result<(), JsError> {
+        let Pictures { colours, normals, is_painted } = pictures;
+        let model = Model::of_baked(baked, Coordinates::Own)?.with_textures(colours, normals, is_painted);
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let (size, picture) = model.picture();
         let normals = model.normal_map().map(|map| (map.size, &map.pixels[..]));
@@ -158,7 +163,7 @@ impl Stage {
             None => Orbit::framing(centre, 0.4 * diagonal, narrow, false),
         };
         (self.orbit, self.frozen, self.scene) = (self.home, None, Some(scene));
-        Ok(warnings)
+        Ok(())
     }
 
     /// Triangles of all objects at full resolution.

@@ -327,6 +327,18 @@ impl Model {
         self
     }
 
+    /// With pictures that were read elsewhere: colours, and normals in tangent space, and whether its file names them.
+    #[must_use]
+    pub fn with_textures(
+        mut self,
+        colours: Option<Texture>,
+        normals: Option<Texture>,
+        is_painted: bool,
+    ) -> Self {
+        (self.texture, self.normal_map, self.is_painted) = (colours, normals, is_painted);
+        self
+    }
+
     /// Whether its file names pictures to paint it with.
     pub fn is_painted(&self) -> bool {
         self.is_painted

@@ -356,8 +356,8 @@ fn detail(ui: &mut Ui, viewer: &mut Viewer) {
             ui.checkbox(&mut limited, "budget")
                 .on_hover_text("Most triangles of each object; the tolerance gives way");
             let mut most = options.triangles.unwrap_or(10_000);
-            let slider = Slider::new(&mut most, 100..=1_000_000).logarithmic(true).text("triangles");
-            ui.add_enabled(limited, slider);
+            // A name behind it would not fit: wider than the panel, it moves the panel's edge and hides the scroll bar.
+            ui.add_enabled(limited, Slider::new(&mut most, 100..=1_000_000).logarithmic(true));
             *options = options.with_triangles(limited.then_some(most));
         });
         let mut moves = options.geomorph.is_some();
@@ -465,7 +465,7 @@ fn picture(ui: &mut Ui, viewer: &mut Viewer) {
 fn camera(ui: &mut Ui, viewer: &mut Viewer) {
     section(ui, "Camera", |ui| {
         let size = viewer.size();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let mut flies = matches!(viewer.hands, Hands::Fly(_));
             ui.selectable_value(&mut flies, false, "orbit").on_hover_text("Around the middle of the picture");
             ui.selectable_value(&mut flies, true, "fly").on_hover_text("W A S D Q E, shift is fast");
@@ -483,7 +483,7 @@ fn camera(ui: &mut Ui, viewer: &mut Viewer) {
         ui.add(Slider::new(&mut degrees, 10.0..=120.0).text("field of view"))
             .on_hover_text("Vertical, degrees");
         viewer.controls.field_of_view = degrees.to_radians();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let [records, plays] = viewer.tape();
             let record = ui.button(if records { "Stop recording" } else { "Record path" });
             if record.on_hover_text("Keeps every frame's camera, and writes it as .csv").clicked() {

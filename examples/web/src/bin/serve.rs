@@ -1,22 +1,27 @@
 //! Makes the page and serves it.
 //!
 //! ```text
-//!     cargo build --target wasm32-unknown-unknown     the library of this package, once for each worker
+//!     cargo build --target wasm32-unknown-unknown     the library of this package, once for each program
 //!     bindings                                        by the same release of wasm-bindgen
-//!     target/web/page                                 those, and the files of `page/`
+//!     demo.mres                                       the model that is shown first, baked as an application would ship it
+//!     target/web/page                                 those, the files of `page/`, and all of them compressed (`.gz`)
 //! ```
 //!
 //! All of it is static: any server will do for `target/web/page`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use multires::Structure;
+use multires::hierarchy::VertexHierarchy;
+use multires::io::{BakeOptions, Compression};
+use multires::mesh::shapes;
 use multires_web_viewer::bindings::{Bindings, compressed, copy_all, root, target_folder};
 use tiny_http::{Header, Request, Response, Server, StatusCode};
 
 /// Most bytes of the program of a worker, plain and compressed.
-const MOST: [usize; 2] = [3_600_000, 1_200_000];
+const MOST: [usize; 2] = [3_000_000, 1_200_000];
 
 /// Makes the viewer's page and serves it.
 #[derive(Parser)]
@@ -60,13 +65,35 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn make(page: &Path) -> Result<(), String> {
-    for (worker, profile) in [("picture", "web-small"), ("build", "web")] {
-        let name = format!("multires_{worker}");
+    for (feature, profile) in [("webgl", "web-small"), ("webgpu", "web-small"), ("build", "web")] {
+        let name = format!("multires_{feature}");
         let package = "multires-web-viewer";
-        let bindings = Bindings { package, profile, feature: worker, to: page, name: &name, most: MOST };
+        let bindings = Bindings { package, profile, feature, to: page, name: &name, most: MOST };
         println!("{}", bindings.make()?);
     }
-    copy_all(&root().join("examples/web/page"), page)
+    copy_all(&root().join("examples/web/page"), page)?;
+    let demo = VertexHierarchy::bake(&shapes::demo()).map_err(|error| error.to_string())?;
+    let options = BakeOptions::default().with_compression(Compression::Lz4);
+    demo.write_with(page.join("demo.mres"), options).map_err(|error| error.to_string())?;
+    compress_all(page).map_err(|error| format!("{}: {error}", page.display()))
+}
+
+/// Writes every file of the page once more, compressed.
+fn compress_all(page: &Path) -> std::io::Result<()> {
+    for file in std::fs::read_dir(page)? {
+        let file = file?.path();
+        if file.extension().is_some_and(|extension| extension != "gz") {
+            std::fs::write(zipped(&file), compressed(&std::fs::read(&file)?))?;
+        }
+    }
+    Ok(())
+}
+
+/// The file that holds another, compressed.
+fn zipped(file: &Path) -> PathBuf {
+    let mut name = file.as_os_str().to_owned();
+    name.push(".gz");
+    name.into()
 }
 
 /// What a file is, by its name; `None` for files that a page does not have.
@@ -77,6 +104,7 @@ fn kind(name: &str) -> Option<&'static str> {
         "js" => "text/javascript; charset=utf-8",
         "wasm" => "application/wasm",
         "svg" => "image/svg+xml",
+        "mres" => "application/octet-stream",
         _ => return None,
     })
 }
@@ -91,16 +119,20 @@ fn answer(request: Request, page: &Path) -> std::io::Result<()> {
     .to_owned();
     let is_plain =
         name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-'));
-    let file =
-        kind(&name).filter(|_| is_plain).and_then(|kind| Some((kind, std::fs::read(page.join(&name)).ok()?)));
-    let Some((kind, bytes)) = file else {
-        return request
-            .respond(Response::from_string("there is no such page").with_status_code(StatusCode(404)));
-    };
     let zips = request
         .headers()
         .iter()
         .any(|header| header.field.equiv("Accept-Encoding") && header.value.as_str().contains("gzip"));
+    let path = page.join(&name);
+    let file = kind(&name).filter(|_| is_plain).and_then(|kind| {
+        let compressed = std::fs::read(zipped(&path)).ok().filter(|_| zips);
+        let is_compressed = compressed.is_some();
+        Some((kind, is_compressed, compressed.or_else(|| std::fs::read(&path).ok())?))
+    });
+    let Some((kind, is_compressed, bytes)) = file else {
+        return request
+            .respond(Response::from_string("there is no such page").with_status_code(StatusCode(404)));
+    };
     // Isolated pages get the finer clock.
     let mut headers = vec![
         ("Content-Type", kind),
@@ -108,12 +140,9 @@ fn answer(request: Request, page: &Path) -> std::io::Result<()> {
         ("Cross-Origin-Opener-Policy", "same-origin"),
         ("Cross-Origin-Embedder-Policy", "require-corp"),
     ];
-    let bytes = if zips && bytes.len() > 1024 {
+    if is_compressed {
         headers.push(("Content-Encoding", "gzip"));
-        compressed(&bytes)
-    } else {
-        bytes
-    };
+    }
     let headers = headers.iter().filter_map(|(field, value)| Header::from_bytes(*field, *value).ok());
     let mut response = Response::from_data(bytes);
     headers.for_each(|header| response.add_header(header));
