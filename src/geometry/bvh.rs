@@ -515,3 +515,70 @@ fn box_entry(node: &Bvh2Node, start: Vec3A, inverse: Vec3A) -> f32 {
     let exit = low.max(high).min_element();
     if entry <= exit { entry } else { f32::INFINITY }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A fan of long thin triangles, bent into a saddle and turned.
+    fn fan(triangles: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let rim = |i: u32| {
+            let angle = std::f32::consts::TAU * i as f32 / triangles as f32;
+            let (x, y, z) = (angle.cos(), angle.sin(), 0.2 * (5.0 * angle).sin());
+            [0.8 * x - 0.6 * z, y, 0.6 * x + 0.8 * z]
+        };
+        let positions = std::iter::once([0.0; 3]).chain((0..triangles).map(rim)).collect();
+        (positions, (0..triangles).map(|i| [0, 1 + i, 1 + (i + 1) % triangles]).collect())
+    }
+
+    /// Points in -2..2, always the same.
+    fn places() -> impl Iterator<Item = DVec3> {
+        let number = |i: u64| hash::words([i]) as f64 / u64::MAX as f64 * 4.0 - 2.0;
+        (0..2000).map(move |i| DVec3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2)))
+    }
+
+    #[test]
+    fn a_crowded_surface_answers_as_if_every_triangle_were_tried() {
+        let (positions, triangles) = fan(600);
+        let bvh = Bvh::new(&positions, &triangles).unwrap();
+        assert_eq!(bvh.turned.len(), bvh.nodes.len());
+        let mut walker = bvh.walker();
+        for place in places() {
+            let all = (0..bvh.len() as u32).map(|slot| bvh.closest_on_slot(slot, place).distance_squared);
+            assert_eq!(walker.closest(place).distance_squared, all.fold(f64::INFINITY, f64::min));
+        }
+        let mut hits = 0;
+        for (origin, to) in places().zip(places().skip(1)) {
+            let direction = to * 0.3 - origin;
+            let all = (0..bvh.len() as u32).filter_map(|s| hit_triangle(&bvh.corners(s), origin, direction));
+            let first = all.map(|(t, _)| t).fold(f64::INFINITY, f64::min);
+            let found = walker.first_hit(origin, direction, f64::INFINITY).map_or(f64::INFINITY, |hit| hit.t);
+            assert_eq!(found, first);
+            hits += u32::from(found.is_finite());
+        }
+        assert!(hits > 100, "{hits}");
+        let point = bvh.corners(0)[0];
+        let mut touched = 0;
+        walker.touching(point, |_| touched += 1);
+        let on = |slot: &u32| bvh.closest_on_slot(*slot, point).distance_squared == 0.0;
+        assert_eq!(touched, (0..bvh.len() as u32).filter(on).count());
+    }
+
+    #[test]
+    fn boxes_that_meet_are_visited_where_surfaces_cross() {
+        let (mut positions, mut triangles) = fan(600);
+        // A triangle through all of them.
+        positions.extend([[0.3, 0.3, -1.0], [0.3, 0.3, 1.0], [-0.4, 0.4, 0.0]]);
+        triangles.push([601, 602, 603]);
+        let bvh = Bvh::new(&positions, &triangles).unwrap();
+        let cross =
+            |a: u32, b: u32| super::super::crossing::triangles_cross(&bvh.corners(a), &bvh.corners(b));
+        let (mut found, mut all) = (0, 0);
+        for slot in 0..bvh.len() as u32 {
+            bvh.walker().overlapping(slot, |other| found += u32::from(cross(slot, other)));
+            all += (slot + 1..bvh.len() as u32).filter(|&other| cross(slot, other)).count() as u32;
+        }
+        assert!(all > 100, "{all}");
+        assert_eq!(found, all);
+    }
+}

@@ -3,7 +3,9 @@
 
 use std::time::{Duration, Instant};
 
+use multires::hierarchy::{Dependencies, VertexHierarchy};
 use multires::mesh::{Attribute, Mesh, names, shapes};
+use multires::quality::{DistanceOptions, distance};
 use multires::simplify::{Simplifier, Target};
 use multires::wavelet::WaveletBuilder;
 
@@ -29,6 +31,37 @@ fn strip(triangles: u32) -> Mesh {
     torn(&Mesh::new(positions, triangles).expect("a strip"))
 }
 
+/// A strip of triangles without area along a straight line.
+fn line(triangles: u32) -> Mesh {
+    let positions: Vec<[f32; 3]> = (0..triangles + 2).map(|v| [v as f32, 0.0, 0.0]).collect();
+    let triangles: Vec<[u32; 3]> = (0..triangles).map(|t| [t, t + 1, t + 2]).collect();
+    Mesh::new(positions, triangles).expect("a line")
+}
+
+/// Radii and heights at random.
+fn rough(mesh: &Mesh) -> Mesh {
+    let shares = (0u32..).map(|i| i.wrapping_mul(2_654_435_769) as f32 / u32::MAX as f32);
+    let positions: Vec<[f32; 3]> = mesh
+        .positions()
+        .iter()
+        .zip(shares)
+        .map(|(&[x, y, z], share)| [x * (1.0 + 0.3 * share), y * (1.0 + 0.3 * share), z + 0.3 * share])
+        .collect();
+    Mesh::new(positions, mesh.triangles()).expect("a mesh of finite numbers")
+}
+
+fn bake(mesh: &Mesh) {
+    let sequence = Simplifier::new().run(mesh).expect("simplified");
+    VertexHierarchy::build(mesh, &sequence, Dependencies::None).expect("a hierarchy");
+}
+
+/// Measures the distance from a shrunk copy.
+fn measure(mesh: &Mesh) {
+    let shrunk: Vec<[f32; 3]> = mesh.positions().iter().map(|p| p.map(|x| 0.99 * x)).collect();
+    let shrunk = Mesh::new(shrunk, mesh.triangles()).expect("a mesh of finite numbers");
+    distance(mesh, &shrunk, &DistanceOptions::default().with_samples(50_000)).expect("surfaces");
+}
+
 fn simplify(mesh: &Mesh) {
     Simplifier::new().target(Target::Ratio(0.1)).run(mesh).expect("simplified");
 }
@@ -50,13 +83,20 @@ fn time(work: fn(&Mesh), mesh: &Mesh) -> Duration {
 
 fn main() {
     type Case = (&'static str, fn(u32) -> Mesh, fn(&Mesh), u32);
-    let cases: [Case; 7] = [
+    let cases: [Case; 14] = [
         ("hub, simplified", shapes::hub, simplify, 16_000),
         ("hub with seams, simplified", |n| torn(&shapes::hub(n)), simplify, 16_000),
         ("spindle, simplified", shapes::spindle, simplify, 16_000),
         ("book, simplified", shapes::book, simplify, 8_000),
         ("book with seams, simplified", |n| torn(&shapes::book(n)), simplify, 8_000),
         ("lone triangles, simplified", |n| torn(&shapes::plane(n.isqrt())), simplify, 16_000),
+        ("rough hub, simplified", |n| rough(&shapes::hub(n)), simplify, 8_000),
+        ("line, simplified", line, simplify, 16_000),
+        ("hub, hierarchy", shapes::hub, bake, 16_000),
+        ("rough spindle, hierarchy", |n| rough(&shapes::spindle(n)), bake, 20_000),
+        ("book, hierarchy", shapes::book, bake, 16_000),
+        ("hub, measured", shapes::hub, measure, 8_000),
+        ("book, measured", shapes::book, measure, 8_000),
         ("strip of seams, one face split", strip, split_one, 40_000),
     ];
     println!("{:<32}{:>9}{:>11}{:>11}{:>7}", "", "n", "ms at n", "at 2 n", "ratio");
