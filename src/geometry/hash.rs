@@ -1,6 +1,7 @@
 //! Hashes identical on every machine: to group, to shuffle and to jitter.
 
 /// Multiplies and folds the halves: every input bit reaches every output bit.
+#[cfg(any(feature = "quality", feature = "stream"))]
 #[inline]
 pub(crate) fn mix(x: u64) -> u64 {
     let product = u128::from(x ^ 0x9e37_79b9_7f4a_7c15) * 0xd6e8_feb8_6659_fd93_u128;

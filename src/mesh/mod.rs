@@ -6,6 +6,7 @@
 //! | `attribute.rs` | [`Attribute`], a named stream of per-vertex values |
 //! | `blend.rs` | blends of two vertices' attributes |
 //! | `creases.rs` | [`Creases`]: normals from the triangles, smooth up to an angle |
+//! | `group.rs` | groups of equal items |
 //! | `topology.rs` | [`Topology`]: points (vertices at equal positions) and wedges (equal vertices) |
 //! | `tolerances.rs` | [`Tolerances`]: the largest differences within a wedge |
 //! | `adjacency.rs` | [`Adjacency`]: the corners around every point, in flat arrays |
@@ -25,6 +26,7 @@ mod blend;
 mod creases;
 mod edges;
 mod gather;
+mod group;
 mod mesh_point;
 mod midpoints;
 mod near;

@@ -9,8 +9,7 @@
 //! Points are exact (-0 equals 0): welding never moves a vertex. Wedges are equal bit for bit ([`Topology::new`]), or
 //! within tolerances ([`Topology::with`]).
 
-use crate::geometry::hash::mix;
-
+use super::group::{Key, group};
 use super::tolerances::Comparison;
 use super::{Attribute, Mesh, NONE, Tolerances};
 
@@ -49,7 +48,8 @@ impl Topology {
     /// only equal vertices. Points are exact: [`Tolerances::position`] is not used.
     pub fn with(mesh: &Mesh, tolerances: &Tolerances) -> Self {
         let positions: Vec<[u32; 3]> = mesh.positions().iter().map(|p| p.map(position_word)).collect();
-        let leader = group(positions.len(), |v| hash(positions[v]), |a, b| positions[a] == positions[b]);
+        let leader =
+            group(positions.len(), |key, v| hash(key, positions[v]), |a, b| positions[a] == positions[b]);
 
         let mut point_of = vec![NONE; leader.len()];
         let mut vertex_of_point = Vec::with_capacity(leader.len());
@@ -66,8 +66,9 @@ impl Topology {
         } else {
             let comparison = Comparison::new(mesh, tolerances);
             let same = |a: usize, b: usize| leader[a] == leader[b] && comparison.equal(a as u32, b as u32);
-            let hash_of = |v: usize| {
-                comparison.words(v as u32).fold(mix(u64::from(leader[v])), |h, w| mix(h ^ u64::from(w)))
+            let hash_of = |key: Key, v: usize| {
+                let words = comparison.words(v as u32);
+                words.fold(key.mix(u64::from(leader[v])), |hash, word| key.mix(hash ^ u64::from(word)))
             };
             let mut wedge_of = group(leader.len(), hash_of, same);
             if !comparison.is_exact() {
@@ -130,9 +131,9 @@ impl Topology {
         if self.vertex_of_point.len() == count {
             return (0..count as u32).collect();
         }
-        let hash_of = |v: usize| {
+        let hash_of = |key: Key, v: usize| {
             let words = attribute.words(v as u32).iter();
-            words.fold(mix(u64::from(self.point_of[v])), |h, &w| mix(h ^ u64::from(w)))
+            words.fold(key.mix(u64::from(self.point_of[v])), |hash, &word| key.mix(hash ^ u64::from(word)))
         };
         group(count, hash_of, |a, b| {
             self.point_of[a] == self.point_of[b] && attribute.words(a as u32) == attribute.words(b as u32)
@@ -177,33 +178,7 @@ fn position_word(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }
 
-fn hash(words: [u32; 3]) -> u64 {
+fn hash(key: Key, words: [u32; 3]) -> u64 {
     let low = u64::from(words[0]) | u64::from(words[1]) << 32;
-    mix(mix(low) ^ u64::from(words[2]))
-}
-
-/// Returns, for each item, the lowest item equal to it. Open addressing over a table of at least twice as many slots.
-pub(super) fn group(
-    count: usize,
-    hash: impl Fn(usize) -> u64,
-    same: impl Fn(usize, usize) -> bool,
-) -> Vec<u32> {
-    let mask = (count * 2).next_power_of_two().max(2) - 1;
-    let mut table = vec![NONE; mask + 1];
-    (0..count)
-        .map(|item| {
-            let mut slot = hash(item) as usize & mask;
-            loop {
-                let entry = table[slot];
-                if entry == NONE {
-                    table[slot] = item as u32;
-                    return item as u32;
-                }
-                if same(entry as usize, item) {
-                    return entry;
-                }
-                slot = (slot + 1) & mask;
-            }
-        })
-        .collect()
+    key.mix(key.mix(low) ^ u64::from(words[2]))
 }

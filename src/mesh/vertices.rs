@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use bytemuck::NoUninit;
 
-use super::topology::group;
+use super::group::{Key, group};
 use super::{Attribute, AttributeValues, MAX_ELEMENTS, Mesh, Topology, names};
 use crate::error::MeshError;
-use crate::geometry::hash::mix;
 
 /// An index of a vertex buffer: `u16` or `u32`.
 pub trait Index: Copy + Into<u32> {}
@@ -76,7 +75,7 @@ impl Mesh {
         let bytes = |v: usize| bytemuck::bytes_of(&vertices[v]);
         let first = group(
             vertices.len(),
-            |v| hash(u64::from(point_of[v]), bytes(v)),
+            |key, v| hash(key, u64::from(point_of[v]), bytes(v)),
             |a, b| point_of[a] == point_of[b] && bytes(a) == bytes(b),
         );
         let wedges = first.iter().zip(0..).filter(|&(&first, vertex)| first == vertex).count();
@@ -138,11 +137,11 @@ pub(crate) fn check_folded<V: NoUninit>(values: &[V], folded: &[[u32; 2]]) -> Re
 }
 
 /// Hashes a point and the bytes of a vertex.
-fn hash(point: u64, bytes: &[u8]) -> u64 {
+fn hash(key: Key, point: u64, bytes: &[u8]) -> u64 {
     let words = bytes.chunks(8).map(|chunk| {
         let mut word = [0; 8];
         word[..chunk.len()].copy_from_slice(chunk);
         u64::from_le_bytes(word)
     });
-    words.fold(mix(point), |hash, word| mix(hash ^ word))
+    words.fold(key.mix(point), |hash, word| key.mix(hash ^ word))
 }
