@@ -57,7 +57,8 @@ pub enum Independence {
 pub enum ErrorMeasure {
     /// Distance travelled by input points to the point they were merged into. A proven bound for the distance of the
     /// surfaces in both directions and for the sliding of textures, but loose where the surface is flat. Fastest: for a
-    /// sequence used only for its order.
+    /// sequence used only for its order. Without any rule ([`Simplifier::oracles`](super::Simplifier::oracles)) a point may
+    /// be left without triangles, and what was merged into it is no longer on the surface: then this is no bound.
     Parametric,
     /// Largest of the distances of input points from the level's surface and of the curves of input and level from each
     /// other; next to curves and on coarse levels also of the level's triangles from the input. Measured as they change.

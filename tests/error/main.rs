@@ -15,3 +15,4 @@ mod curves;
 mod deviation;
 mod games;
 mod levels_measured;
+mod pinches;

@@ -231,7 +231,7 @@ impl<M: ErrorMetric> Engine<'_, M> {
         if gains <= 0.0 || !self.oracles.iter().all(|oracle| oracle.allows(&self.surface, &collapse)) {
             return None;
         }
-        let error = self.errors.measure(&self.surface, &self.patch, pair, x);
+        let error = self.errors.measure_reaching(&self.surface, &self.patch, pair, x, &scratch.points);
         (self.surface.frame().object_length(error.largest()) <= self.limits.error).then_some(point)
     }
 

@@ -8,9 +8,11 @@
 //! | `way_back.rs` | distance of the level from the input, next to curves and on coarse levels |
 //! | `angles.rs` | few of many triangles around a point |
 //! | `parametric_error.rs` | distance travelled by input points |
+//! | `left_alone.rs` | points that a collapse leaves without triangles |
 
 mod angles;
 mod curve_samples;
+mod left_alone;
 mod parametric_error;
 mod step_errors;
 mod tracked_samples;

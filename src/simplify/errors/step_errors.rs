@@ -68,7 +68,7 @@ impl Errors {
 
     pub fn measure(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Parametric(error) => both(error.measure(surface, pair, x)),
+            Self::Parametric(error) => both(error.measure(surface, patch, pair, x)),
             Self::TrackedSamples(watch) => {
                 let apart = watch.surface.measure(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
@@ -93,7 +93,7 @@ impl Errors {
 
     pub fn hand_over(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) -> Deviation {
         match self {
-            Self::Parametric(error) => both(error.merge(surface, pair, x)),
+            Self::Parametric(error) => both(error.merge(surface, patch, pair, x)),
             Self::TrackedSamples(watch) => {
                 let apart = watch.surface.hand_over(surface, patch, pair, x);
                 let concerns = watch.curves.concerns(surface, pair, x);
@@ -141,6 +141,27 @@ impl Errors {
             Self::Parametric(error) => both(error.measure_vanishing(surface, points, into)),
             Self::TrackedSamples(watch) => {
                 both(watch.surface.measure_vanishing(surface, points, enough, nearest))
+            }
+        }
+    }
+
+    /// Returns the error of the collapse of `pair` at `x` right after a part of `points`, measured last, vanished into the lost
+    /// point: what the part hands over counts.
+    pub fn measure_reaching(
+        &mut self,
+        surface: &WorkingSurface,
+        patch: &Patch,
+        pair: Pair,
+        x: Vec3,
+        points: &[u32],
+    ) -> Deviation {
+        let mut found = self.measure(surface, patch, pair, x);
+        match self {
+            Self::Parametric(error) => both(error.measure_reaching(surface, pair, x, points)),
+            Self::TrackedSamples(watch) => {
+                found.surface = found.surface.max(watch.surface.measure_handed(surface, pair, x));
+                watch.measured = Some((pair, x, found));
+                found
             }
         }
     }

@@ -14,13 +14,14 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::geometry::{lanes::Lanes, sectors::Sectors};
+use crate::geometry::{lanes::Lanes, sectors::Sectors, triangle::distance_squared_single};
 use crate::mesh::NONE;
 use crate::simplify::metric::Pair;
 use crate::simplify::surface::WorkingSurface;
 use crate::simplify::surface::patch::{Facet, Patch};
 
 use super::angles::Angles;
+use super::left_alone::left_alone;
 
 /// Tracks the triangle under each merged point.
 #[derive(Debug, Clone, Default)]
@@ -32,6 +33,11 @@ pub(crate) struct TrackedSamples {
     /// True for each point already a tracked sample.
     merged: Vec<bool>,
     fan: Vec<Group>,
+    /// Triangles beside the patch, where nothing of the patch survives and nothing is around the kept point either; their
+    /// corners are relative to the merged point's position.
+    beside: Vec<([Vec3; 3], u32)>,
+    /// Points not tracked yet that the collapse takes off the surface.
+    newcomers: Vec<u32>,
     /// Order by angle, to search a fan of more than [`FEW_SECTORS`] groups.
     angles: Angles,
     facets: [Vec<Facet>; 2],
@@ -123,6 +129,8 @@ impl TrackedSamples {
             head,
             merged: vec![false; points],
             fan: Vec::new(),
+            beside: Vec::new(),
+            newcomers: Vec::new(),
             angles: Angles::default(),
             facets: Default::default(),
             budget: 0,
@@ -186,8 +194,8 @@ impl TrackedSamples {
             }
         }
         self.heads = heads;
-        for point in self.newcomers(surface, pair, x) {
-            worst = worst.max(self.nearest(self.points[point as usize].position - x).0);
+        for i in 0..self.newcomers.len() {
+            worst = worst.max(self.nearest(self.points[self.newcomers[i] as usize].position - x).0);
         }
         worst.sqrt()
     }
@@ -207,8 +215,8 @@ impl TrackedSamples {
             }
         }
         self.heads = heads;
-        for point in self.newcomers(surface, pair, x) {
-            sum += self.nearest_with_sides(self.points[point as usize].position - x).0;
+        for i in 0..self.newcomers.len() {
+            sum += self.nearest_with_sides(self.points[self.newcomers[i] as usize].position - x).0;
         }
         sum * self.share
     }
@@ -233,9 +241,11 @@ impl TrackedSamples {
         }
         self.heads = heads;
         self.handed_over = count;
-        for point in self.newcomers(surface, pair, x) {
-            self.merged[point as usize] = true;
-            worst = worst.max(self.place(point, x));
+        for i in 0..self.newcomers.len() {
+            let point = self.newcomers[i];
+            if !std::mem::replace(&mut self.merged[point as usize], true) {
+                worst = worst.max(self.place(point, x));
+            }
         }
         self.largest = self.largest.max(worst);
         worst.sqrt()
@@ -303,6 +313,24 @@ impl TrackedSamples {
         worst.sqrt()
     }
 
+    /// Returns the largest distance from the patch measured last, inner units, of those samples of a vanishing part that the
+    /// triangles of `pair.lost` take over.
+    pub fn measure_handed(&mut self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> f32 {
+        let mut around = std::mem::take(&mut self.heads);
+        around.clear();
+        around.extend(surface.star_triangles(pair.lost));
+        around.sort_unstable();
+        let mut worst: f32 = 0.0;
+        for i in 0..self.handed.len() {
+            let (sample, _, triangle) = self.handed[i];
+            if around.binary_search(&triangle).is_ok() {
+                worst = worst.max(self.nearest(self.points[sample as usize].position - x).0);
+            }
+        }
+        self.heads = around;
+        worst.sqrt()
+    }
+
     /// Tracked sample, squared distance and triangle of each sample measured last by
     /// [`measure_vanishing`](Self::measure_vanishing).
     pub fn handed(&self) -> &[(u32, f32, u32)] {
@@ -312,6 +340,8 @@ impl TrackedSamples {
     /// Stores the new patch as sectors.
     fn spread(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
         self.fan.clear();
+        self.beside.clear();
+        self.find_newcomers(surface, patch, pair, x);
         if patch.facets().len() > 4 * FEW_SECTORS {
             return self.spread_many(patch);
         }
@@ -323,6 +353,22 @@ impl TrackedSamples {
             let near = surface.star_near(pair.kept, ear, EAR_TRIANGLES);
             let around = near.filter(|corner| !corner.others.contains(&pair.lost));
             self.fan.extend(around.map(|corner| Group::new(&[Facet::around(surface, corner, x)])));
+            if self.fan.is_empty() {
+                self.spread_beside(surface, patch, pair, x);
+            }
+        }
+    }
+
+    /// Stores triangles around the third corners of the removed triangles, which hung by these corners alone.
+    #[cold]
+    fn spread_beside(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
+        for &third in patch.opposite() {
+            let ear = surface.star_triangles(pair.lost).next().unwrap_or(NONE);
+            let near = surface.star_near(third, ear, EAR_TRIANGLES);
+            for corner in near.filter(|corner| !corner.others.contains(&pair.lost)) {
+                let [p, q] = corner.others.map(|p| surface.at(p) - x);
+                self.beside.push(([surface.at(third) - x, p, q], corner.triangle));
+            }
         }
     }
 
@@ -368,11 +414,12 @@ impl TrackedSamples {
         }
     }
 
-    /// Returns the merged points not tracked yet.
-    fn newcomers(&self, surface: &WorkingSurface, pair: Pair, x: Vec3) -> impl Iterator<Item = u32> + use<> {
-        let is_new = |point: u32| (!self.merged[point as usize]).then_some(point);
-        let kept = if surface.at(pair.kept) == x { None } else { is_new(pair.kept) };
-        is_new(pair.lost).into_iter().chain(kept)
+    /// Collects the points not tracked yet that are no longer on the surface: merged, or left alone. A point may come twice.
+    fn find_newcomers(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
+        self.newcomers.clear();
+        let moved = (surface.at(pair.kept) != x).then_some(pair.kept);
+        let points = [pair.lost].into_iter().chain(moved).chain(left_alone(surface, patch, pair));
+        self.newcomers.extend(points.filter(|&point| !self.merged[point as usize]));
     }
 
     /// Puts a tracked sample on the triangle under it; returns its squared distance.
@@ -422,8 +469,15 @@ impl TrackedSamples {
             let Group { sectors, .. } = group;
             best = group.least(sectors.heights(&p).min(sectors.sides(&p)), best);
         }
-        // Where only the merged point itself is left.
-        if best.1 == NONE { (point.length_squared(), NONE) } else { best }
+        if best.1 == NONE { self.nearest_beside(point) } else { best }
+    }
+
+    /// Returns the squared distance to the nearest triangle beside the patch, and the triangle. If there is none either, only
+    /// the merged point itself is left.
+    #[cold]
+    fn nearest_beside(&self, point: Vec3) -> (f32, u32) {
+        let distances = self.beside.iter().map(|&(corners, t)| (distance_squared_single(corners, point), t));
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((point.length_squared(), NONE))
     }
 
     /// Searches very many triangles: first the groups near the point's direction. All groups are searched only where
