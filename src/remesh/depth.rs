@@ -8,6 +8,7 @@
 //! ```
 
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 
@@ -16,7 +17,7 @@ use crate::geometry::parallel;
 use crate::geometry::triangle;
 use crate::mesh::{Mesh, MeshPoint};
 use crate::simplify::OptionError;
-use crate::wavelet::{DomainPoint, WaveletBuilder};
+use crate::wavelet::{DomainPoint, WaveletBuilder, WaveletError};
 
 use super::cells::{BaseEdges, Cell, DEEPEST};
 use super::distortion::normal_at;
@@ -31,7 +32,9 @@ pub enum Depth {
     /// Faces are split until every vertex of the mesh is within this distance, object units, of the face it lies over, and
     /// so are seven points of the mesh over the face; points of features are as near to the sides on the feature. Also split
     /// are faces which face away from the mesh at their corners and in the middle. Faces at a common edge differ by at most
-    /// one level. Ends at 12 levels.
+    /// one level. Ends at 12 levels, and is refused beyond 2^26 faces.
+    ///
+    /// Less than 2^-21 of the mesh's diagonal is rounding, and counts as that.
     Error(f32),
 }
 
@@ -39,6 +42,10 @@ pub enum Depth {
 const DEEPEST_FOR_ERROR: usize = 12;
 /// Cells facing away from the mesh are split to this level.
 const DEEPEST_FOR_FOLDS: usize = 8;
+/// Most faces for a tolerance: 4 GiB of positions, corners and links.
+const MOST_FOR_ERROR: usize = 1 << 26;
+/// Distances below this share of the mesh's diagonal are rounding.
+const ROUNDING: f64 = 1.0 / 2_097_152.0;
 
 impl Depth {
     /// Subdivides. Returns how many faces were left facing away from the mesh, as far as that was looked at.
@@ -65,7 +72,8 @@ impl Depth {
                 Err(OptionError::OutOfRange { option, value, expected: "0 or more" }.into())
             }
             Self::Error(error) => {
-                let Splits { levels: mut split, folded } = Splits::new(map, mesh, f64::from(error));
+                let tolerance = f64::from(error).max(ROUNDING * mesh.diagonal());
+                let Splits { levels: mut split, folded } = Splits::new(map, mesh, tolerance, MOST_FOR_ERROR)?;
                 balance(map, &mut split);
                 for (level, cells) in split.iter().enumerate() {
                     builder.subdivide_where(
@@ -130,14 +138,18 @@ struct Splits {
 }
 
 impl Splits {
-    fn new(map: &Parameterisation, mesh: &Mesh, tolerance: f64) -> Self {
+    fn new(map: &Parameterisation, mesh: &Mesh, tolerance: f64, limit: usize) -> Result<Self, RemeshError> {
         let over = vertices_over(map, mesh);
+        let left = AtomicUsize::new(limit / 4);
         let faces = parallel::map(map.base().triangles().len(), 1, |face| {
             let vertices = over.get(face as u32).iter().map(|&vertex| &over.points[vertex as usize]);
-            let mut of_face = OfFace { map, mesh, tolerance, levels: Vec::new(), folded: 0 };
+            let mut of_face = OfFace { map, mesh, tolerance, left: &left, levels: Vec::new(), folded: 0 };
             of_face.visit(Cell::base(face as u32), 0, vertices.copied().collect());
             (of_face.levels, of_face.folded)
         });
+        if left.into_inner() == 0 {
+            return Err(WaveletError::TooMany { what: "faces", count: limit + 1, limit }.into());
+        }
         let depth = faces.iter().map(|face| face.0.len()).max().unwrap_or(0);
         let (mut levels, mut folded) = (vec![Vec::new(); depth], 0);
         for face in faces {
@@ -145,7 +157,7 @@ impl Splits {
             folded += face.1;
         }
         levels.iter_mut().for_each(|cells| cells.sort_unstable());
-        Self { levels, folded }
+        Ok(Self { levels, folded })
     }
 }
 
@@ -193,6 +205,8 @@ struct OfFace<'a> {
     map: &'a Parameterisation,
     mesh: &'a Mesh,
     tolerance: f64,
+    /// Cells that all faces together may still split; at 0 the result is of no use.
+    left: &'a AtomicUsize,
     levels: Vec<Vec<Cell>>,
     folded: usize,
 }
@@ -218,6 +232,10 @@ const SAMPLES: [[f64; 3]; 7] = {
 impl OfFace<'_> {
     fn visit(&mut self, cell: Cell, level: usize, vertices: Vec<Over>) {
         if level == DEEPEST_FOR_ERROR || !self.is_split(cell, level, &vertices) {
+            return;
+        }
+        let take = |left: usize| left.checked_sub(1);
+        if !matches!(self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take), Ok(2..)) {
             return;
         }
         if self.levels.len() == level {
@@ -287,4 +305,38 @@ fn distance_to_segment_squared([a, b]: [DVec3; 2], point: DVec3) -> f64 {
     // Two equal ends give NaN.
     let nearest = if along.is_nan() { a } else { a + along * (b - a) };
     nearest.distance_squared(point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lod::Structure;
+    use crate::mesh::shapes;
+    use crate::remesh::{Remesher, Smoothing};
+
+    #[test]
+    fn an_error_of_rounding_splits_nothing_flat() {
+        let ball = shapes::icosphere(2);
+        let tiny = ball.positions().iter().map(|p| p.map(|x| x * 1e-44)).collect();
+        for mesh in [ball.clone(), ball.clone().with_positions(tiny)] {
+            let map = Remesher::new().base_faces(320).smoothing(Smoothing::Off).run(&mesh).unwrap();
+            assert_eq!(map.base().triangles().len(), 320);
+            let model = map.bake(&mesh, Depth::Error(0.0), &Default::default()).unwrap();
+            assert_eq!(model.structure().triangle_count(), 320);
+        }
+    }
+
+    #[test]
+    fn more_faces_than_allowed_are_refused() {
+        let mesh = shapes::icosphere(3);
+        let map = Remesher::new().base_faces(20).run(&mesh).unwrap();
+        let error = 1e-3 * mesh.diagonal();
+        let splits: usize =
+            Splits::new(&map, &mesh, error, 1 << 20).unwrap().levels.iter().map(Vec::len).sum();
+        assert!(splits > 10);
+        assert!(Splits::new(&map, &mesh, error, 4 * (splits + 1)).is_ok());
+        let refused = Splits::new(&map, &mesh, error, 4 * splits).map(|splits| splits.folded);
+        let too_many = WaveletError::TooMany { what: "faces", count: 4 * splits + 1, limit: 4 * splits };
+        assert_eq!(refused, Err(too_many.into()));
+    }
 }

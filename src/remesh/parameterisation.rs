@@ -225,7 +225,9 @@ impl Parameterisation {
         }
         let rest = |share: f32| progress(PLACING + (1.0 - PLACING) * share);
         let [found, folded] = if left > 0 { [left; 2] } else { [unfolded.folded[0], fitted.folded] };
-        Ok(Remesh { model: builder.bake_from(mesh, options, at, rest)?, unfolded: found - folded, folded })
+        // Fitting looks at other roundings of the same cells, so it may count more.
+        let unfolded = found.saturating_sub(folded);
+        Ok(Remesh { model: builder.bake_from(mesh, options, at, rest)?, unfolded, folded })
     }
 
     /// Returns the mesh with normals smooth up to features, where its own are hard everywhere.

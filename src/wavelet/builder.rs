@@ -96,7 +96,7 @@ impl WaveletBuilder {
 
     /// Splits the faces of the last level for which `split` is true; `place` returns the position of each new vertex. New
     /// vertices cut unsplit neighbours too, so no position opens a crack. Faces across seams of attributes are split
-    /// together.
+    /// together. A face with two corners at one place shares no edges: split, it has a border.
     ///
     /// # Errors
     /// Too many faces, more than 52 levels, or a position not finite.
