@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    multires_fuzz::baked(data);
+    multires_fuzz::decoders::baked(data);
 });

@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    multires_fuzz::packets(data);
+    multires_fuzz::decoders::packets(data);
 });

@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    multires_fuzz::prefix(data);
+    multires_fuzz::decoders::prefix(data);
 });

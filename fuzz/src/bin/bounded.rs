@@ -1,12 +1,13 @@
-//! A bounded run of all targets, on any compiler: seeds, and seeds with changes that are the same in every run.
+//! A bounded run of all targets, on any compiler: seeds with changes, or any bytes, the same in every run.
 //!
 //! ```text
 //! cargo run --release -p multires-fuzz --bin bounded [-- --runs N] [--from N] [TARGET...]
-//! cargo run --release -p multires-fuzz --bin bounded -- --write-seeds
+//! cargo run --release -p multires-fuzz --bin bounded -- --write-seeds                  of decoders, anew
+//! cargo run --release -p multires-fuzz --bin bounded -- --from N --keep TARGET         one run of what is built
 //! ```
 //!
 //! For each target so many runs (default 20,000). A run that panics is named by its number, and `--from` begins there. Memory beyond
-//! 64 MiB for data of at most one is an error too.
+//! 64 MiB for data of at most one is an error too, and beyond 256 MiB for meshes of a thousand triangles.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,8 +33,8 @@ mod gltf_samples;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// Most bytes that a run may take.
-const MOST: usize = 64 << 20;
+/// Most bytes that a run may take, of decoders and of what is built: that follows what comes out, and not the data.
+const MOST: [usize; 2] = [64 << 20, 256 << 20];
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -52,23 +53,31 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &[String]) -> Outcome<()> {
-    let (mut runs, mut from, mut names) = (20_000, 0, Vec::new());
+    let (mut runs, mut from, mut keeps, mut names) = (20_000, 0, false, Vec::new());
     let mut arguments = arguments.iter();
     while let Some(argument) = arguments.next() {
         let mut number =
             || arguments.next().ok_or("a number is missing")?.parse::<u64>().map_err(|e| e.to_string());
         match argument.as_str() {
             "--write-seeds" => return write_seeds(),
+            "--keep" => keeps = true,
             "--runs" => runs = number()?,
             "--from" => from = number()?,
-            name if TARGETS.iter().any(|(target, _)| *target == name) => names.push(name),
+            name if TARGETS.iter().any(|target| target.name == name) => names.push(name),
             other => return Err(format!("there is no target {other:?}").into()),
         }
     }
-    for target in TARGETS.iter().filter(|(name, _)| names.is_empty() || names.contains(name)) {
-        fuzz(target, from, runs)?;
+    // Each has its turn, whatever others find.
+    let asked = TARGETS.iter().filter(|target| names.is_empty() || names.contains(&target.name));
+    if keeps {
+        for target in asked.filter(|target| target.is_built) {
+            seed(target.name, &format!("run-{from}"), &[], &any_bytes(&mut of_run(from)))?;
+        }
+        return Ok(());
     }
-    Ok(())
+    let found: Vec<String> =
+        asked.filter_map(|target| fuzz(target, from, runs).err()).map(|error| error.to_string()).collect();
+    if found.is_empty() { Ok(()) } else { Err(found.join("\n").into()) }
 }
 
 /// Numbers that are the same in every run.
@@ -117,41 +126,65 @@ fn change(data: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     data.truncate(1 << 20);
 }
 
-fn fuzz(&(name, decode): &Target, from: u64, runs: u64) -> Outcome<()> {
-    let mut seeds = Vec::new();
+/// Bytes to choose from: often few, so that what follows has its simplest choice.
+fn any_bytes(random: &mut Random) -> Vec<u8> {
+    let length = 8 << random.below(8);
+    (0..length).map(|_| random.below(256) as u8).collect()
+}
+
+fn of_run(run: u64) -> Random {
+    Random(run.wrapping_mul(0x2545_f491_4f6c_dd1d))
+}
+
+fn seeds(name: &str) -> Outcome<Vec<(PathBuf, Vec<u8>)>> {
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(seeds_of(name))?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
     paths.sort();
-    for path in &paths {
-        seeds.push(std::fs::read(path)?);
-    }
-    if let Some(at) = seeds.iter().position(|seed| !decode(seed)) {
-        return Err(format!("{name}: {} is not sound: write the seeds anew", paths[at].display()).into());
+    paths.into_iter().map(|path| Ok((path.clone(), std::fs::read(path)?))).collect()
+}
+
+fn fuzz(&Target { name, run: decode, is_built }: &Target, from: u64, runs: u64) -> Outcome<()> {
+    let seeds = seeds(name)?;
+    if let Some((path, _)) = seeds.iter().find(|(_, seed)| !is_built && !decode(seed)) {
+        return Err(format!("{name}: {} is not sound: write the seeds anew", path.display()).into());
     }
     let start = Instant::now();
-    let mut sound = 0;
-    let (mut longest, mut largest) = ((Duration::ZERO, 0), (0, 0));
-    for run in from..from + runs {
-        let mut random = Random(run.wrapping_mul(0x2545_f491_4f6c_dd1d));
-        let mut data = seeds[random.below(seeds.len())].clone();
-        let other = &seeds[random.below(seeds.len())];
+    let (mut sound, mut failed) = (0, 0);
+    let (mut longest, mut largest) = ((Duration::ZERO, String::new()), (0, String::new()));
+    // What was found by choices before is tried again.
+    let kept =
+        seeds.iter().filter(|_| is_built).map(|(path, seed)| (path.display().to_string(), seed.clone()));
+    let of_run = |run: u64| {
+        let mut random = of_run(run);
+        if is_built {
+            return any_bytes(&mut random);
+        }
+        let mut data = seeds[random.below(seeds.len())].1.clone();
+        let other = &seeds[random.below(seeds.len())].1;
         change(&mut data, other, &mut random);
+        data
+    };
+    for (which, data) in kept.chain((from..from + runs).map(|run| (format!("run {run}"), of_run(run)))) {
         let hook = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |what| eprintln!("{name}, run {run}: {what}")));
+        let label = which.clone();
+        std::panic::set_hook(Box::new(move |what| eprintln!("{name}, {label}: {what}")));
         let before = MEMORY.current_usage();
         MEMORY.reset_peak_usage();
         let begun = Instant::now();
-        sound += u64::from(decode(&data));
-        longest = longest.max((begun.elapsed(), run));
-        let taken = MEMORY.peak_usage().saturating_sub(before);
-        largest = largest.max((taken, run));
-        std::panic::set_hook(hook);
-        if taken > MOST {
-            return Err(format!("{name}, run {run}: {taken} bytes of memory").into());
+        match std::panic::catch_unwind(|| decode(&data)) {
+            Ok(is_sound) => sound += u64::from(is_sound),
+            Err(_) => failed += 1,
         }
+        longest = longest.max((begun.elapsed(), which.clone()));
+        let taken = MEMORY.peak_usage().saturating_sub(before);
+        std::panic::set_hook(hook);
+        if taken > MOST[usize::from(is_built)] {
+            return Err(format!("{name}, {which}: {taken} bytes of memory").into());
+        }
+        largest = largest.max((taken, which));
     }
     println!(
-        "{name}: {} seeds, {runs} runs in {:.1} s, {sound} of sound data; longest {:.1} ms (run {}), most memory {} bytes (run {})",
+        "{name}: {} seeds, {runs} runs in {:.1} s, {sound} of sound data; longest {:.1} ms ({}), most memory {} bytes ({})",
         seeds.len(),
         start.elapsed().as_secs_f64(),
         longest.0.as_secs_f64() * 1e3,
@@ -159,6 +192,9 @@ fn fuzz(&(name, decode): &Target, from: u64, runs: u64) -> Outcome<()> {
         largest.0,
         largest.1
     );
+    if failed > 0 {
+        return Err(format!("{name}: {failed} runs failed").into());
+    }
     Ok(())
 }
 
