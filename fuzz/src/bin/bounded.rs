@@ -144,7 +144,8 @@ fn seeds(name: &str) -> Outcome<Vec<(PathBuf, Vec<u8>)>> {
 }
 
 fn fuzz(&Target { name, run: decode, is_built }: &Target, from: u64, runs: u64) -> Outcome<()> {
-    let seeds = seeds(name)?;
+    // What is built needs none.
+    let seeds = if is_built && !seeds_of(name).exists() { Vec::new() } else { seeds(name)? };
     if let Some((path, _)) = seeds.iter().find(|(_, seed)| !is_built && !decode(seed)) {
         return Err(format!("{name}: {} is not sound: write the seeds anew", path.display()).into());
     }
