@@ -81,10 +81,12 @@ pub enum TomError {
         /// Index of the triangle, or of the entry in the list.
         entry: usize,
     },
-    /// The steps together rewrite more corners than can be numbered.
-    #[error("the steps rewrite {count} corners, more than the {limit} supported")]
+    /// The steps together rewrite more corners than a table of a size in proportion to the mesh holds.
+    #[error(
+        "the steps rewrite {count} corners or more, and at most {limit} are supported for a mesh of this size"
+    )]
     TooManyMoves {
-        /// Number of corners rewritten.
+        /// Number of corners found to be rewritten.
         count: u64,
         /// Most corners supported.
         limit: u64,

@@ -7,7 +7,7 @@
 //!   in order fills the table with one load a vertex. Corners are then looked up. Best where there are enough corners to pay
 //!   for it.
 //! - For coarse resolutions, corners in lanes of eight, each making some hops as conditional moves, then hops in lanes until
-//!   all eight are active.
+//!   all eight are active. Where chains turn out long, the table takes over.
 
 use super::{Resolution, TotallyOrderedMesh};
 use crate::mesh::NONE;
@@ -38,7 +38,7 @@ impl TotallyOrderedMesh {
     /// Fills `out` with the indices of a resolution, replacing its contents. All indices are below [`Resolution::vertices`].
     ///
     /// O(output + vertices) if there are at least a quarter as many indices as vertices, else O(output * mean number of
-    /// hops), see [`TotallyOrderedMesh::traversal_overhead`]. The room behind the indices serves as a table: allocates only
+    /// hops), see [`TotallyOrderedMesh::traversal_overhead`], and never more than O(output + vertices). The room behind the indices serves as a table: allocates only
     /// if the capacity of `out` is below indices plus vertices.
     pub fn fill_indices(&self, resolution: Resolution, out: &mut Vec<u32>) {
         let resolution = self.clamp(resolution);
@@ -54,7 +54,12 @@ impl TotallyOrderedMesh {
         let stored = self.stored(resolution);
         let count = stored.len().min(out.len() / 3 * 3);
         out[..count].copy_from_slice(&stored[..count]);
-        substitute_lanes(&self.substitute, resolution.vertices, &mut out[..count]);
+        let done = substitute_lanes(&self.substitute, resolution.vertices, &mut out[..count]);
+        if done < count {
+            let mut table = Vec::with_capacity(self.substitute.len());
+            self.extend_by_table(resolution.vertices, &mut table);
+            out[done..count].iter_mut().for_each(|corner| *corner = table[*corner as usize]);
+        }
         count
     }
 
@@ -127,27 +132,41 @@ impl TotallyOrderedMesh {
             return;
         }
         // A table entry costs about a quarter of a coarse corner's hops.
-        if corners.len() < vertices / 4 {
-            return substitute_lanes(&self.substitute, active, corners);
-        }
         let count = corners.len();
-        corners.extend(0..active);
-        corners.extend_from_slice(&self.substitute[active as usize..]);
-        let (indices, table) = corners.split_at_mut(count);
-        for v in active as usize..table.len() {
-            table[v] = table[table[v] as usize];
+        let done = if count < vertices / 4 { substitute_lanes(&self.substitute, active, corners) } else { 0 };
+        if done == count {
+            return;
         }
-        for index in indices {
+        self.extend_by_table(active, corners);
+        let (indices, table) = corners.split_at_mut(count);
+        for index in &mut indices[done..] {
             *index = table[*index as usize];
         }
         corners.truncate(count);
     }
+
+    /// Appends the active substitute of every vertex.
+    fn extend_by_table(&self, active: u32, out: &mut Vec<u32>) {
+        let start = out.len();
+        out.extend(0..active);
+        out.extend_from_slice(&self.substitute[active as usize..]);
+        let table = &mut out[start..];
+        for v in active as usize..table.len() {
+            table[v] = table[table[v] as usize];
+        }
+    }
 }
 
-/// Replaces corners by their active substitutes, in lanes. `active` is at least the base, where chains end.
-fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
+/// Replaces corners by their active substitutes, in lanes. `active` is at least the base, where chains end. Returns how many corners
+/// are done, from the front: not all where that takes as many hops as there are vertices.
+fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) -> usize {
+    let count = corners.len();
+    let mut rounds = 0;
     let mut chunks = corners.chunks_exact_mut(LANES);
-    for corners in &mut chunks {
+    for (chunk, corners) in (&mut chunks).enumerate() {
+        if rounds > substitute.len() {
+            return chunk * LANES;
+        }
         let mut lanes = [0; LANES];
         lanes.copy_from_slice(corners);
         for _ in 0..HOPS {
@@ -155,6 +174,7 @@ fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
         }
         while lanes.iter().fold(false, |any, &v| any | (v >= active)) {
             hop(substitute, active, &mut lanes);
+            rounds += 1;
         }
         corners.copy_from_slice(&lanes);
     }
@@ -163,6 +183,7 @@ fn substitute_lanes(substitute: &[u32], active: u32, corners: &mut [u32]) {
             *corner = substitute[*corner as usize];
         }
     }
+    count
 }
 
 /// Makes a hop in each lane not active yet. All lanes load before any chooses. In this order, and with indices, the choice

@@ -43,12 +43,20 @@ pub struct TomSteps {
     empty_ranges: Vec<MaterialRange>,
 }
 
+/// Most moves a corner of a triangle, on average. Meshes have one or two.
+const MOST_MOVES: u64 = 64;
+/// Moves that any mesh may have.
+const FREE_MOVES: u64 = 1 << 20;
+/// Most hops a move, on average.
+const HOPS: u64 = 4;
+
 impl TomSteps {
     /// Makes the table for cursors with a single range in the index buffer, whatever the materials. O(moves), 3 to 4 a
     /// vertex.
     ///
     /// # Errors
-    /// There are more moves than 32 bits can number.
+    /// There are more than 64 moves a corner, and more than a million: a mesh made so that long chains of substitutes hang on
+    /// every triangle. Extraction still works.
     pub fn new(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
         Self::build(tom.into(), false)
     }
@@ -56,7 +64,8 @@ impl TomSteps {
     /// Makes the table for cursors with a range per material in the index buffer, to be drawn by a call each.
     ///
     /// # Errors
-    /// There are more moves than 32 bits can number.
+    /// There are more than 64 moves a corner, and more than a million: a mesh made so that long chains of substitutes hang on
+    /// every triangle. Extraction still works.
     pub fn by_material(tom: impl Into<Arc<TotallyOrderedMesh>>) -> Result<Self, TomError> {
         Self::build(tom.into(), true)
     }
@@ -106,17 +115,14 @@ impl TomSteps {
         let group_first = group_firsts(&tom);
 
         let base = tom.base_vertices;
-        let limit = u64::from(u32::MAX);
         let mut total = 0u64;
         let mut move_start = vec![0u32; tom.substitute.len() - base as usize + 1];
-        each_move(&tom, &group_first, |vertex, _| {
+        let limit = (MOST_MOVES * 3 * tom.triangles.len() as u64).clamp(FREE_MOVES, u64::from(u32::MAX));
+        let fits = each_move(&tom, &group_first, limit, |vertex, _| {
             total += 1;
-            if total <= limit {
-                move_start[(vertex - base) as usize + 1] += 1;
-            }
-            total <= limit
+            move_start[(vertex - base) as usize + 1] += 1;
         });
-        if total > limit {
+        if !fits || total > limit {
             return Err(TomError::TooManyMoves { count: total, limit });
         }
         for i in 1..move_start.len() {
@@ -124,12 +130,11 @@ impl TomSteps {
         }
         let mut next = move_start.clone();
         let mut moves = vec![0; total as usize];
-        each_move(&tom, &group_first, |vertex, corner| {
+        each_move(&tom, &group_first, limit, |vertex, corner| {
             let slot = &mut next[(vertex - base) as usize];
             let triangle = place.get((corner / 3) as usize).copied().unwrap_or(corner / 3);
             moves[*slot as usize] = 3 * triangle + corner % 3;
             *slot += 1;
-            true
         });
         Ok(Self { tom, move_start, moves, place, empty_ranges })
     }
@@ -171,10 +176,12 @@ fn group_firsts(tom: &TotallyOrderedMesh) -> Vec<u32> {
     firsts.collect()
 }
 
-/// Calls `f(vertex, corner)` for every move, by corner, until it returns false.
-fn each_move(tom: &TotallyOrderedMesh, group_first: &[u32], mut f: impl FnMut(u32, u32) -> bool) {
+/// Calls `f(vertex, corner)` for every move, by corner. Returns false, and ends, where that would take far more hops along chains
+/// than `limit` moves need.
+fn each_move(tom: &TotallyOrderedMesh, group_first: &[u32], limit: u64, mut f: impl FnMut(u32, u32)) -> bool {
+    let mut hops = 0;
     for triangle in 0..tom.triangles.len() {
-        let end = match tom.last_vertex(triangle) {
+        let end = match tom.walk_to_end(triangle, || hops += 1) {
             NONE => 0,
             last => group_first[last as usize],
         };
@@ -182,14 +189,17 @@ fn each_move(tom: &TotallyOrderedMesh, group_first: &[u32], mut f: impl FnMut(u3
             let mut v = corner;
             // The triangle outlives the group that starts at `first`.
             while group_first[v as usize] > end {
-                if !f(v, 3 * triangle as u32 + k as u32) {
-                    return;
-                }
+                f(v, 3 * triangle as u32 + k as u32);
                 let first = group_first[v as usize];
                 while v >= first {
                     v = tom.substitute[v as usize];
+                    hops += 1;
                 }
             }
         }
+        if hops > HOPS * limit {
+            return false;
+        }
     }
+    true
 }

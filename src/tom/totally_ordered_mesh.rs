@@ -107,6 +107,11 @@ impl TotallyOrderedMesh {
     /// Returns the vertex whose substitution makes a triangle vanish, `NONE` for a base triangle: substitutes the last
     /// corner until two corners agree (TOM, section 3.2).
     pub(super) fn last_vertex(&self, triangle: usize) -> u32 {
+        self.walk_to_end(triangle, || ())
+    }
+
+    /// [`last_vertex`](Self::last_vertex) with a call of `hop` for each substitution on the way.
+    pub(super) fn walk_to_end(&self, triangle: usize, mut hop: impl FnMut()) -> u32 {
         let [mut a, mut b, mut c] = self.triangles[triangle];
         let mut last = NONE;
         while a != b && b != c && c != a {
@@ -120,6 +125,7 @@ impl TotallyOrderedMesh {
             if a < self.base_vertices {
                 return NONE;
             }
+            hop();
             last = a;
             a = self.substitute[a as usize];
         }

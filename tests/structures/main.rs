@@ -14,6 +14,7 @@ mod gmesh;
 mod one_face;
 mod out_of_range;
 mod progressive;
+mod steps_memory;
 mod tom;
 mod tom_mesh;
 mod zero_edges;
