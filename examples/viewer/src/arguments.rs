@@ -136,6 +136,8 @@ pub enum Layout {
     Full,
     /// The full mesh, and the difference of both.
     Difference,
+    /// The full mesh, and how far apart the surfaces of both lie.
+    Distance,
 }
 
 impl Layout {
@@ -144,7 +146,7 @@ impl Layout {
         match self {
             Self::Nothing => 1,
             Self::Full => 2,
-            Self::Difference => 3,
+            Self::Difference | Self::Distance => 3,
         }
     }
 }

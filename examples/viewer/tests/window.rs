@@ -60,9 +60,10 @@ fn windows_open_and_close() {
             return;
         }
     };
-    let runs: [&[&str]; 8] = [
+    let runs: [&[&str]; 9] = [
         &["--scene", "rocks", "--triangles", "500"],
         &["--scene", "rocks", "--triangles", "500", "--beside", "difference", "--size", "900x300"],
+        &["--scene", "rocks", "--triangles", "500", "--beside", "distance", "--size", "900x300"],
         &["--scene", "terrain", "--triangles", "2000", "--beside", "full", "--size", "240x180", "--wire"],
         &[
             "--scene",

@@ -1,7 +1,11 @@
-// Pictures on a window: one as it is, or the difference of two.
+// Pictures on a window: one as it is, the difference of two, or how far apart their surfaces lie.
 
 @group(0) @binding(0) var first: texture_2d<f32>;
 @group(0) @binding(1) var second: texture_2d<f32>;
+// Reversed: 0 is infinitely far away. One sample of several is enough.
+@group(0) @binding(0) var first_depth: texture_depth_multisampled_2d;
+@group(0) @binding(1) var second_depth: texture_depth_multisampled_2d;
+@group(0) @binding(2) var<uniform> gain: vec4<f32>;
 
 struct Corner {
     @builtin(position) clip: vec4<f32>,
@@ -46,10 +50,24 @@ fn difference(at: vec2<f32>) -> vec3<f32> {
     let b = pixel(second, at);
     let apart = abs(encoded(a.rgb) - encoded(b.rgb));
     let most = max(apart.r, max(apart.g, apart.b));
-    let shown = vec3(0.06 + 0.08 * b.a) + vec3(1.0, 0.82, 0.35) * min(most * 8.0, 1.0) * 0.85;
-    if a.a - b.a > 0.5 { return vec3(0.95, 0.25, 0.2); }
-    if b.a - a.a > 0.5 { return vec3(0.25, 0.5, 1.0); }
-    return shown;
+    return shown(8.0 * most, a.a, b.a);
+}
+
+// By the shares of a pixel that show a surface.
+fn shown(apart: f32, a: f32, b: f32) -> vec3<f32> {
+    if a - b > 0.5 { return vec3(0.95, 0.25, 0.2); }
+    if b - a > 0.5 { return vec3(0.25, 0.5, 1.0); }
+    return vec3(0.06 + 0.08 * b) + vec3(1.0, 0.82, 0.35) * min(apart, 1.0) * 0.85;
+}
+
+// The same of distances along the view, as they are seen from the nearer surface.
+fn distances(at: vec2<f32>) -> vec3<f32> {
+    let size = textureDimensions(first_depth);
+    let place = min(vec2<u32>(at * vec2<f32>(size)), size - 1u);
+    let a = textureLoad(first_depth, place, 0);
+    let b = textureLoad(second_depth, place, 0);
+    let apart = select(0.0, abs(a - b) / min(a, b), min(a, b) > 0.0);
+    return shown(gain.x * apart, select(0.0, 1.0, a > 0.0), select(0.0, 1.0, b > 0.0));
 }
 
 @fragment
@@ -60,4 +78,14 @@ fn difference_bytes(in: Corner) -> @location(0) vec4<f32> {
 @fragment
 fn difference_light(in: Corner) -> @location(0) vec4<f32> {
     return vec4(linear(difference(in.at)), 1.0);
+}
+
+@fragment
+fn distance_bytes(in: Corner) -> @location(0) vec4<f32> {
+    return vec4(distances(in.at), 1.0);
+}
+
+@fragment
+fn distance_light(in: Corner) -> @location(0) vec4<f32> {
+    return vec4(linear(distances(in.at)), 1.0);
 }

@@ -16,7 +16,7 @@
 //! | `pipelines.rs`, `shader.wgsl` | how things are drawn |
 //! | `target.rs` | [`Target`]: what is drawn into, and the way back |
 //! | `picture.rs` | [`Paint`]: textures on surfaces |
-//! | `compare.rs`, `compare.wgsl` | [`Compare`]: pictures on a window, and the difference of two |
+//! | `compare.rs`, `compare.wgsl` | [`Compare`]: pictures on a window, the difference of two, and the distance of their surfaces |
 //!
 //! Knows nothing of files, scenes, windows or panels. Depth is reversed (1 near, 0 at infinity, in floats), there are 4 samples a
 //! pixel, both sides of triangles are drawn.

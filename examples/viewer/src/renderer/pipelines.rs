@@ -30,12 +30,12 @@ pub(super) struct Pipelines {
     pub picture_layout: wgpu::BindGroupLayout,
 }
 
-const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
+pub(super) const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
     ty: wgpu::BufferBindingType::Uniform,
     has_dynamic_offset: false,
     min_binding_size: None,
 };
-const FILTERED: wgpu::BindingType = wgpu::BindingType::Texture {
+pub(super) const FILTERED: wgpu::BindingType = wgpu::BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Float { filterable: true },
     view_dimension: wgpu::TextureViewDimension::D2,
     multisampled: false,

@@ -16,6 +16,8 @@ pub struct Target {
     /// Where there are several samples a pixel.
     samples: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
+    /// Whether depths are read once the picture is drawn.
+    keeps_depth: bool,
     picture: wgpu::Texture,
     view: wgpu::TextureView,
 }
@@ -23,6 +25,15 @@ pub struct Target {
 impl Target {
     /// A target of that many pixels, at least one, and samples a pixel: 1 or 4.
     pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Self {
+        Self::make(device, size, samples, false)
+    }
+
+    /// The same with [depths](Self::depth) to be read.
+    pub fn with_depth(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Self {
+        Self::make(device, size, samples, true)
+    }
+
+    fn make(device: &wgpu::Device, size: [u32; 2], samples: u32, keeps_depth: bool) -> Self {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|side| side.clamp(1, most));
         let texture = |format, sample_count, usage| {
@@ -41,10 +52,12 @@ impl Target {
         let read = drawn | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         let picture = texture(COLOUR, 1, read);
         let several = samples > 1;
+        let depth_usage = if keeps_depth { drawn | wgpu::TextureUsages::TEXTURE_BINDING } else { drawn };
         Self {
             size,
             samples: several.then(|| texture(COLOUR, samples, drawn).create_view(&Default::default())),
-            depth: texture(DEPTH, samples.max(1), drawn).create_view(&Default::default()),
+            depth: texture(DEPTH, samples.max(1), depth_usage).create_view(&Default::default()),
+            keeps_depth,
             view: picture.create_view(&Default::default()),
             picture,
         }
@@ -58,6 +71,11 @@ impl Target {
     /// The picture, for a shader that shows or compares it: light, and the share of a pixel that shows a surface.
     pub fn view(&self) -> &wgpu::TextureView {
         &self.view
+    }
+
+    /// Depths, reversed, for a shader; of a target [made for that](Self::with_depth).
+    pub fn depth(&self) -> &wgpu::TextureView {
+        &self.depth
     }
 
     /// A pass that draws it anew.
@@ -86,7 +104,7 @@ impl Target {
                 // Reversed: 0 is infinitely far away.
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+                    store: if self.keeps_depth { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
                 }),
                 stencil_ops: None,
             }),

@@ -144,7 +144,12 @@ fn captions(ui: &Ui, viewer: &Viewer, parts: &[egui::Rect]) {
     let texts = [
         format!("{} triangles{}", short(drawn, ""), if viewer.is_frozen() { ", frozen" } else { "" }),
         format!("full mesh, {} triangles", short(full as f32, "")),
-        "difference, 8 times; red, blue: silhouette".to_owned(),
+        match viewer.controls.layout {
+            Layout::Distance => {
+                format!("distance, brightest at {} px; red, blue: silhouette", viewer.brightest())
+            }
+            _ => "difference, 8 times; red, blue: silhouette".to_owned(),
+        },
     ];
     let wide = ui.available_width().max(parts[0].width());
     let label = |at, anchor, text: &str, colour| label(ui, wide, at, anchor, text, colour);
@@ -444,16 +449,18 @@ fn picture(ui: &mut Ui, viewer: &mut Viewer) {
         choice(
             ui,
             "Beside it",
-            "Pictures of the same view: of the full mesh, and of the difference",
+            "Pictures of the same view: of the full mesh, and of the difference of colours, or of the distance between the surfaces, \
+             for which normals do not count",
             &mut controls.layout,
             &[
                 (Layout::Nothing, "nothing"),
                 (Layout::Full, "full mesh"),
                 (Layout::Difference, "that and difference"),
+                (Layout::Distance, "that and distance"),
             ],
         );
         ui.horizontal(|ui| {
-            let compares = controls.layout == Layout::Difference;
+            let compares = controls.layout.pictures() == 3;
             ui.add_enabled(!compares, egui::Checkbox::new(&mut controls.wire, "wireframe"))
                 .on_hover_text("Edges of triangles")
                 .on_disabled_hover_text("differences are those of surfaces");

@@ -54,7 +54,7 @@ impl Screen {
         config.present_mode = wgpu::PresentMode::AutoVsync;
         surface.configure(&gpu.device, &config);
         let screen = Self {
-            compare: Compare::new(&gpu.device, config.format),
+            compare: Compare::with_distances(&gpu.device, config.format),
             panel: egui_wgpu::Renderer::new(&gpu.device, config.format, Default::default()),
             surface,
             config,

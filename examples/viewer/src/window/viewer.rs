@@ -127,7 +127,7 @@ impl Viewer {
         };
         let mut viewer = Self {
             eyes: [renderer.eye(&gpu.device), renderer.eye(&gpu.device)],
-            targets: [(); 2].map(|()| Target::new(&gpu.device, [1, 1], SAMPLES)),
+            targets: [(); 2].map(|()| Target::with_depth(&gpu.device, [1, 1], SAMPLES)),
             paint: renderer.paint(&gpu.device, &gpu.queue, ([side; 2], &checker), None),
             painted: false,
             refused: None,
@@ -380,7 +380,7 @@ impl Viewer {
         self.last = now;
         for target in &mut self.targets {
             if target.size() != size.map(|side| side.max(1)) {
-                *target = Target::new(&self.gpu.device, size, SAMPLES);
+                *target = Target::with_depth(&self.gpu.device, size, SAMPLES);
             }
         }
         let lens = Lens { field_of_view: self.controls.field_of_view, size: self.targets[0].size() };
@@ -412,7 +412,7 @@ impl Viewer {
         }
         let start = Instant::now();
         // A difference is one of surfaces.
-        let wire = self.controls.wire && self.controls.layout != Layout::Difference;
+        let wire = self.controls.wire && self.controls.layout.pictures() < 3;
         let overlays = Overlays { wire, written: self.controls.shading == Shading::Dirty };
         scene.sync(device, &mut self.uploads, &self.renderer, overlays);
         self.sync_full(&scene, overlays);
@@ -527,10 +527,25 @@ impl Viewer {
         }
     }
 
+    /// Distances in pixels at which a picture of distances is brightest.
+    pub fn brightest(&self) -> f32 {
+        2.0 * self.controls.tolerances.anywhere.max(0.05)
+    }
+
+    /// By what a distance, in distances from the eye, becomes 1 where it is brightest.
+    fn gain(&self) -> f32 {
+        let half = f64::from(self.targets[0].size()[1]) * 0.5;
+        (half / (self.controls.field_of_view * 0.5).tan()) as f32 / self.brightest()
+    }
+
     /// The pictures of the last frame in those parts of the window.
     pub fn parts(&self, rectangles: &[[u32; 4]]) -> Vec<Part<'_>> {
         let [level, full] = &self.targets;
-        let shows = [Show::Picture(level), Show::Picture(full), Show::Difference(level, full)];
+        let compared = match self.controls.layout {
+            Layout::Distance => Show::Distance(level, full, self.gain()),
+            _ => Show::Difference(level, full),
+        };
+        let shows = [Show::Picture(level), Show::Picture(full), compared];
         rectangles.iter().copied().zip(shows).collect()
     }
 }
