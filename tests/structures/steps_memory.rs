@@ -34,7 +34,7 @@ fn long_chains_are_refused_and_still_extracted() {
     }
     for vertices in [3, 4, 5, 100, 29_999, 30_000] {
         let resolution = tom.at(Level::Vertices(vertices));
-        let active = resolution.vertices();
+        let active = resolution.vertices() as u32;
         let end =
             |corner: u32| if corner < active { corner } else { active - 1 - (active - 1 - corner % 3) % 3 };
         let expected: Vec<u32> =
@@ -65,8 +65,8 @@ fn meshes_have_a_few_moves_a_corner() {
         let model = TotallyOrderedMesh::bake(&mesh).unwrap();
         let steps = TomSteps::new(model.structure().clone()).unwrap();
         // Four bytes a move and a vertex.
-        let moves = steps.table_memory() / 4 - model.structure().vertex_count();
-        let corners = 3 * mesh.triangles().len();
-        assert!(moves <= 16 * corners, "{name}: {moves} moves of {corners} corners");
+        let (entries, corners) = (steps.table_memory() / 4, 3 * mesh.triangles().len());
+        let most = 16 * corners + model.structure().vertex_count() + 8;
+        assert!(entries <= most, "{name}: {entries} entries for {corners} corners");
     }
 }

@@ -38,6 +38,30 @@ fn line(triangles: u32) -> Mesh {
     Mesh::new(positions, triangles).expect("a line")
 }
 
+/// A strip along a spiral, each triangle larger than the one before: in all by a factor of e^60.
+fn comb(triangles: u32) -> Mesh {
+    let count = triangles + 2;
+    let place = |i: u32| {
+        let (along, across) = (f64::from(i / 2), f64::from(i % 2));
+        let (angle, radius) = (0.05 * along, 1.0 + 0.002 * along + 0.1 * across);
+        let scale = (60.0 * f64::from(i) / f64::from(count)).exp();
+        [radius * angle.cos(), radius * angle.sin(), 0.0005 * f64::from(i)].map(|x| (x * scale) as f32)
+    };
+    let triangles: Vec<[u32; 3]> = (0..triangles).map(|t| [t, t + 1 + t % 2, t + 2 - t % 2]).collect();
+    Mesh::new((0..count).map(place).collect(), triangles).expect("a strip")
+}
+
+/// Triangles around a point, with no edge in common.
+fn stars(triangles: u32) -> Mesh {
+    let place = |i: u32| {
+        let angle = f64::from(i) * std::f64::consts::PI / f64::from(triangles);
+        [angle.cos() as f32, angle.sin() as f32, 0.1 * (i % 7) as f32]
+    };
+    let positions: Vec<[f32; 3]> = std::iter::once([0.0; 3]).chain((0..2 * triangles).map(place)).collect();
+    let triangles: Vec<[u32; 3]> = (0..triangles).map(|t| [0, 1 + 2 * t, 2 + 2 * t]).collect();
+    Mesh::new(positions, triangles).expect("a mesh of finite numbers")
+}
+
 /// Radii and heights at random.
 fn rough(mesh: &Mesh) -> Mesh {
     let shares = (0u32..).map(|i| i.wrapping_mul(2_654_435_769) as f32 / u32::MAX as f32);
@@ -62,6 +86,12 @@ fn measure(mesh: &Mesh) {
     distance(mesh, &shrunk, &DistanceOptions::default().with_samples(50_000)).expect("surfaces");
 }
 
+/// Any two parts may be joined.
+fn join(mesh: &Mesh) {
+    let far = 10.0 * mesh.diagonal() as f32;
+    Simplifier::new().join_distance(far).target(Target::Ratio(0.1)).run(mesh).expect("simplified");
+}
+
 fn simplify(mesh: &Mesh) {
     Simplifier::new().target(Target::Ratio(0.1)).run(mesh).expect("simplified");
 }
@@ -83,16 +113,21 @@ fn time(work: fn(&Mesh), mesh: &Mesh) -> Duration {
 
 fn main() {
     type Case = (&'static str, fn(u32) -> Mesh, fn(&Mesh), u32);
-    let cases: [Case; 14] = [
+    let cases: [Case; 19] = [
         ("hub, simplified", shapes::hub, simplify, 16_000),
         ("hub with seams, simplified", |n| torn(&shapes::hub(n)), simplify, 16_000),
         ("spindle, simplified", shapes::spindle, simplify, 16_000),
         ("book, simplified", shapes::book, simplify, 8_000),
         ("book with seams, simplified", |n| torn(&shapes::book(n)), simplify, 8_000),
         ("lone triangles, simplified", |n| torn(&shapes::plane(n.isqrt())), simplify, 16_000),
+        ("lone triangles, joined", |n| torn(&shapes::plane(n.isqrt())), join, 8_000),
+        ("fans at a point, simplified", stars, simplify, 16_000),
+        ("growing strip, simplified", comb, simplify, 2_000),
         ("rough hub, simplified", |n| rough(&shapes::hub(n)), simplify, 8_000),
         ("line, simplified", line, simplify, 16_000),
         ("hub, hierarchy", shapes::hub, bake, 16_000),
+        ("lone triangles, hierarchy", |n| torn(&shapes::plane(n.isqrt())), bake, 16_000),
+        ("fans at a point, hierarchy", stars, bake, 16_000),
         ("rough spindle, hierarchy", |n| rough(&shapes::spindle(n)), bake, 20_000),
         ("book, hierarchy", shapes::book, bake, 16_000),
         ("hub, measured", shapes::hub, measure, 8_000),

@@ -22,7 +22,12 @@ pub struct Bindings<'a> {
     pub name: &'a str,
     /// Most bytes of the program, plain and compressed.
     pub most: [usize; 2],
+    /// Builds in less time, by a profile of its own: larger than `most` allows, for tests.
+    pub quick: bool,
 }
+
+/// The profile of quick builds.
+const QUICK: &str = "web-quick";
 
 impl Bindings<'_> {
     /// Builds the package for browsers, and writes `name.js` and `name_bg.wasm` to the folder. Returns a line that tells the sizes.
@@ -30,6 +35,7 @@ impl Bindings<'_> {
     /// # Errors
     /// What failed, in a line: the build, a file, or the program is larger than it may be.
     pub fn make(&self) -> Result<String, String> {
+        let profile = if self.quick { QUICK } else { self.profile };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let target = ["--target", "wasm32-unknown-unknown"];
         let built = Command::new(cargo)
@@ -40,7 +46,7 @@ impl Bindings<'_> {
                 self.package,
                 "--lib",
                 "--profile",
-                self.profile,
+                profile,
                 "--features",
                 self.feature,
             ])
@@ -54,7 +60,7 @@ impl Bindings<'_> {
             ));
         }
         let library = self.package.replace('-', "_");
-        let file = format!("wasm32-unknown-unknown/{}/{library}.wasm", self.profile);
+        let file = format!("wasm32-unknown-unknown/{profile}/{library}.wasm");
         let library = target_folder().join(file);
         std::fs::create_dir_all(self.to).map_err(|error| at(self.to, &error))?;
         Bindgen::new()
@@ -68,7 +74,7 @@ impl Bindings<'_> {
         let bytes = std::fs::read(&wasm).map_err(|error| at(&wasm, &error))?;
         let sizes = [bytes.len(), compressed(&bytes).len()];
         let told = format!("{}: {} bytes, {} compressed", wasm.display(), sizes[0], sizes[1]);
-        if sizes[0] > self.most[0] || sizes[1] > self.most[1] {
+        if !self.quick && (sizes[0] > self.most[0] || sizes[1] > self.most[1]) {
             return Err(format!("{told}: more than {} and {}", self.most[0], self.most[1]));
         }
         Ok(told)

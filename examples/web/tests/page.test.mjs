@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 
 import { difference, launch, missing, open, picture, root, serve, settled, shown } from './browser.mjs';
@@ -17,7 +17,10 @@ let server;
 function native(name, ...more) {
   const out = join(folder, name);
   const size = ['--headless', '--size', '480x300', '--fov', '45', '--out', out];
-  const told = execFileSync('cargo', ['run', '--quiet', '-p', 'multires-viewer', '--', ...size, ...more], { cwd: root });
+  const [program, leading] = process.env.MULTIRES_VIEWER
+    ? [resolve(process.env.MULTIRES_VIEWER), []]
+    : ['cargo', ['run', '--quiet', '-p', 'multires-viewer', '--']];
+  const told = execFileSync(program, [...leading, ...size, ...more], { cwd: root });
   const triangles = Number(told.toString().match(/frame +0: (\d+) triangles/)[1]);
   return Object.assign(readFileSync(join(out, 'frame-0000.png')), { triangles });
 }

@@ -3,13 +3,22 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::Parser;
 use multires_web_viewer::bindings::{Bindings, copy_all, root, target_folder};
 
 /// Most bytes of the library, plain and compressed.
 const MOST: [usize; 2] = [1_500_000, 600_000];
 
+/// Makes the npm package.
+#[derive(Parser)]
+struct Arguments {
+    /// Makes it in less time, and larger: for tests
+    #[arg(long)]
+    quick: bool,
+}
+
 fn main() -> ExitCode {
-    match pack(&target_folder().join("web/npm")) {
+    match pack(&target_folder().join("web/npm"), Arguments::parse().quick) {
         Ok(told) => {
             println!("{told}");
             ExitCode::SUCCESS
@@ -21,9 +30,10 @@ fn main() -> ExitCode {
     }
 }
 
-fn pack(to: &Path) -> Result<String, String> {
+fn pack(to: &Path, quick: bool) -> Result<String, String> {
     let package = "multires-web";
-    let told = Bindings { package, profile: "web", feature: "", to, name: "multires", most: MOST }.make()?;
+    let told =
+        Bindings { package, profile: "web", feature: "", to, name: "multires", most: MOST, quick }.make()?;
     copy_all(&root().join("multires-web/npm"), to)?;
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
         std::fs::copy(root().join(licence), to.join(licence))

@@ -32,6 +32,9 @@ struct Arguments {
     /// Makes the page, and stops
     #[arg(long)]
     only_make: bool,
+    /// Makes it in less time, and larger: for tests
+    #[arg(long, conflicts_with = "as_made")]
+    quick: bool,
     /// Serves the page as it was made last
     #[arg(long, conflicts_with = "only_make")]
     as_made: bool,
@@ -50,7 +53,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), String> {
     let page = target_folder().join("web/page");
     if !arguments.as_made {
-        make(&page)?;
+        make(&page, arguments.quick)?;
     }
     if arguments.only_make {
         return Ok(());
@@ -64,11 +67,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-fn make(page: &Path) -> Result<(), String> {
+fn make(page: &Path, quick: bool) -> Result<(), String> {
     for (feature, profile) in [("webgl", "web-small"), ("webgpu", "web-small"), ("build", "web")] {
         let name = format!("multires_{feature}");
         let package = "multires-web-viewer";
-        let bindings = Bindings { package, profile, feature, to: page, name: &name, most: MOST };
+        let bindings = Bindings { package, profile, feature, to: page, name: &name, most: MOST, quick };
         println!("{}", bindings.make()?);
     }
     copy_all(&root().join("examples/web/page"), page)?;
