@@ -48,7 +48,7 @@ fn comb(triangles: u32) -> Mesh {
         [radius * angle.cos(), radius * angle.sin(), 0.0005 * f64::from(i)].map(|x| (x * scale) as f32)
     };
     let triangles: Vec<[u32; 3]> = (0..triangles).map(|t| [t, t + 1 + t % 2, t + 2 - t % 2]).collect();
-    Mesh::new((0..count).map(place).collect(), triangles).expect("a strip")
+    Mesh::new((0..count).map(place).collect::<Vec<_>>(), triangles).expect("a strip")
 }
 
 /// Triangles around a point, with no edge in common.
