@@ -45,6 +45,9 @@ impl Headless {
         let window =
             WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
         let quiet = DefaultPlugins.build().disable::<LogPlugin>().disable::<PipelinedRenderingPlugin>();
+        // The loop of events is for windows, and for main threads.
+        #[cfg(feature = "window")]
+        let quiet = quiet.disable::<bevy::winit::WinitPlugin>();
         app.add_plugins(quiet.set(window)).add_plugins(MultiresPlugin).insert_resource(ClearColor(sky));
         plugins(&mut app);
         let waiting = Waiting::default();
