@@ -32,7 +32,7 @@ pub enum Depth {
     /// Faces are split until every vertex of the mesh is within this distance, object units, of the face it lies over, and
     /// so are seven points of the mesh over the face; points of features are as near to the sides on the feature. Also split
     /// are faces which face away from the mesh at their corners and in the middle. Faces at a common edge differ by at most
-    /// one level. Ends at 12 levels, and is refused beyond 2^26 faces.
+    /// one level. Ends at 12 levels, and is refused at about 2^26 faces.
     ///
     /// Less than 2^-21 of the mesh's diagonal is rounding, and counts as that.
     Error(f32),
@@ -42,7 +42,7 @@ pub enum Depth {
 const DEEPEST_FOR_ERROR: usize = 12;
 /// Cells facing away from the mesh are split to this level.
 const DEEPEST_FOR_FOLDS: usize = 8;
-/// Most faces for a tolerance: 4 GiB of positions, corners and links.
+/// Most faces for a tolerance, before neighbours are balanced.
 const MOST_FOR_ERROR: usize = 1 << 26;
 /// Distances below this share of the mesh's diagonal are rounding.
 const ROUNDING: f64 = 1.0 / 2_097_152.0;

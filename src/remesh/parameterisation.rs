@@ -225,7 +225,7 @@ impl Parameterisation {
         }
         let rest = |share: f32| progress(PLACING + (1.0 - PLACING) * share);
         let [found, folded] = if left > 0 { [left; 2] } else { [unfolded.folded[0], fitted.folded] };
-        // Fitting looks at other roundings of the same cells, so it may count more.
+        // Fitting and unfolding tell folds each in its way: near the ends of single precision fitting was seen to count more.
         let unfolded = found.saturating_sub(folded);
         Ok(Remesh { model: builder.bake_from(mesh, options, at, rest)?, unfolded, folded })
     }
