@@ -243,9 +243,8 @@ impl TrackedSamples {
         self.handed_over = count;
         for i in 0..self.newcomers.len() {
             let point = self.newcomers[i];
-            if !std::mem::replace(&mut self.merged[point as usize], true) {
-                worst = worst.max(self.place(point, x));
-            }
+            self.merged[point as usize] = true;
+            worst = worst.max(self.place(point, x));
         }
         self.largest = self.largest.max(worst);
         worst.sqrt()
@@ -414,12 +413,20 @@ impl TrackedSamples {
         }
     }
 
-    /// Collects the points not tracked yet that are no longer on the surface: merged, or left alone. A point may come twice.
+    /// Collects the points not tracked yet that are no longer on the surface: merged, or left alone.
     fn find_newcomers(&mut self, surface: &WorkingSurface, patch: &Patch, pair: Pair, x: Vec3) {
-        self.newcomers.clear();
+        let Self { newcomers, merged, .. } = self;
+        let is_new = |point: &u32| !merged[*point as usize];
         let moved = (surface.at(pair.kept) != x).then_some(pair.kept);
-        let points = [pair.lost].into_iter().chain(moved).chain(left_alone(surface, patch, pair));
-        self.newcomers.extend(points.filter(|&point| !self.merged[point as usize]));
+        newcomers.clear();
+        newcomers.extend([pair.lost].into_iter().chain(moved).filter(is_new));
+        let count = newcomers.len();
+        newcomers.extend(left_alone(surface, patch, pair).filter(is_new));
+        if newcomers.len() > count {
+            // Each once: a sample counts once, and has one place in a chain.
+            newcomers.sort_unstable();
+            newcomers.dedup();
+        }
     }
 
     /// Puts a tracked sample on the triangle under it; returns its squared distance.
